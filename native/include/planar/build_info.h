@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+namespace planar {
+
+struct BuildInfo {
+  std::string version;      ///< of this library
+  std::string backend;      ///< sparse factorization: "CHOLMOD supernodal LLT" or "Eigen SimplicialLDLT"
+  std::string eigen;        ///< version
+  std::string suitesparse;  ///< version, empty without CHOLMOD
+  int threads;              ///< threads that one solve uses at most
+};
+
+BuildInfo build_info();
+
+}  // namespace planar
