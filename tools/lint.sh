@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Checks everything that can be checked without running it, and that the add-on registers and unregisters.
+# usage: tools/lint.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+PATH=/usr/bin:/bin:$PATH # the distribution's clang tools, before a user's own
+
+checks=0
+failures=0
+check() { # check NAME COMMAND...
+    local name=$1 output
+    shift
+    if output=$("$@" 2>&1); then
+        echo "PASS $name"
+    else
+        echo "FAIL $name"
+        echo "$output"
+        failures=$((failures + 1))
+    fi
+    checks=$((checks + 1))
+}
+
+mapfile -t native < <(git ls-files '*.h' '*.cc')
+mapfile -t library < <(git ls-files 'native/src/*.cc')
+mapfile -t shell < <(git ls-files '*.sh' '.ci/run')
+ruff=.venv/bin/ruff
+
+check clang-format clang-format --dry-run -Werror "${native[@]}"
+cmake --preset release >/dev/null
+tidy() { printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p build/release; }
+check clang-tidy tidy "${library[@]}"
+check ruff "$ruff" check --no-cache .
+check ruff-format "$ruff" format --no-cache --check .
+check mypy .venv/bin/mypy addon/planar_deform/model tools
+check shellcheck shellcheck --external-sources "${shell[@]}"
+check registration .venv/bin/python tools/check_registration.py
+
+echo
+echo "$((checks - failures)) passed, $failures failed"
+((failures == 0))

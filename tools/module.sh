@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Builds planar_native's wheel for a virtual environment's Python and installs it there; does nothing when the
+# sources have not changed. The wheel is built once per distribution and Python, whichever environments ask.
+# usage: tools/module.sh VENV
+set -euo pipefail
+cd "$(dirname "$0")/.."
+venv=$(realpath "$1")
+PATH=/usr/bin:/bin:$PATH # the distribution's cmake and compiler, before a user's own
+
+stamp=$(find CMakeLists.txt CMakePresets.json pyproject.toml native -type f ! -name '*.pyc' -print0 |
+    sort -z | xargs -0 sha256sum | sha256sum)
+tag=$(. /etc/os-release && echo "$VERSION_CODENAME")-$("$venv/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+wheels=build/module/$tag/wheel
+mkdir -p "$wheels"
+exec 9>"$wheels/.lock"
+flock 9
+
+if [[ ! -f $wheels/.stamp || $(<"$wheels/.stamp") != "$stamp" ]]; then
+    echo "Building planar_native ($tag)"
+    rm -f "$wheels"/*.whl
+    "$venv/bin/python" -m pip wheel --quiet --disable-pip-version-check --no-build-isolation --no-deps \
+        --config-settings=build-dir="build/module/$tag/cmake" --wheel-dir "$wheels" .
+    echo "$stamp" >"$wheels/.stamp"
+fi
+if [[ ! -f $venv/.module || $(<"$venv/.module") != "$stamp" ]]; then
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheels"/*.whl
+    echo "$stamp" >"$venv/.module"
+fi

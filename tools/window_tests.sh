@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Runs the window tests: in a Debian room, or, without a name, in $BLENDER, else in a `blender` of 4.2 or newer on
+# PATH, else in the trixie room.
+# usage: tools/window_tests.sh [trixie|sid]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+# shellcheck source=tools/packages.sh
+source tools/packages.sh
+
+new_enough() {
+    local version
+    version=$("$1" --version 2>/dev/null | sed -n 's/^Blender \([0-9.]*\).*/\1/p' | head -n 1)
+    [[ -n $version && $(printf '4.2\n%s\n' "$version" | sort -V | head -n 1) == 4.2 ]]
+}
+
+room=${1:-}
+if [[ -z $room ]]; then
+    blender=${BLENDER:-$(command -v blender || true)}
+    if [[ -n $blender ]] && new_enough "$blender"; then
+        tools/apt.sh "${screen_packages[@]}"
+        exec python3 blender_tests/window/run.py --blender "$blender"
+    fi
+    if [[ -n ${BLENDER:-} ]]; then
+        echo "BLENDER=$BLENDER is no Blender of version 4.2 or newer." >&2
+        exit 1
+    fi
+    room=trixie
+fi
+exec tools/room.sh "$room" python3 blender_tests/window/run.py --blender /usr/bin/blender
