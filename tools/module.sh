@@ -19,11 +19,11 @@ flock 9
 if [[ ! -f $wheels/.stamp || $(<"$wheels/.stamp") != "$stamp" ]]; then
     echo "Building planar_native ($tag)"
     rm -f "$wheels"/*.whl
-    "$venv/bin/python" -m pip wheel --quiet --disable-pip-version-check --no-build-isolation --no-deps \
+    "$venv/bin/python" -m pip wheel -qq --disable-pip-version-check --no-build-isolation --no-deps \
         --config-settings=build-dir="build/module/$tag/cmake" --wheel-dir "$wheels" .
     echo "$stamp" >"$wheels/.stamp"
 fi
 if [[ ! -f $venv/.module || $(<"$venv/.module") != "$stamp" ]]; then
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheels"/*.whl
+    "$venv/bin/python" -m pip install -qq --disable-pip-version-check --no-deps --force-reinstall "$wheels"/*.whl
     echo "$stamp" >"$venv/.module"
 fi

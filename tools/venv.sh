@@ -23,5 +23,5 @@ if [[ -f $mark && $(<"$mark") == "$stamp" ]]; then
     exit 0
 fi
 echo "Installing into $venv: $*"
-"$venv/bin/python" -m pip install --quiet --disable-pip-version-check "${@/#/--requirement=}"
+"$venv/bin/python" -m pip install -qq --disable-pip-version-check "${@/#/--requirement=}"
 echo "$stamp" >"$mark"
