@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs one file of window tests inside Blender: `blender --enable-event-simulate --python harness.py -- test_x.py`.
+
+A test is a generator function `test_...(window)`: it simulates events, and each `yield` lets Blender handle them and
+redraw. Every test starts from the factory scene without its objects, with the add-on enabled.
+"""
+
+import importlib.util
+import inspect
+import os
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import bpy
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Quaternion, Vector
+
+HERE = Path(__file__).resolve().parent
+PICTURES = HERE.parents[1] / "out" / "window"
+TOOL = "planar.pose_tool"
+
+Test = Callable[["Window"], Iterator[None]]
+
+
+class Window:
+    """The user's hands and eyes: moves, presses, keys and pictures in Blender's main window."""
+
+    def __init__(self) -> None:
+        self.mouse = (0, 0)
+
+    # ---- what is there; looked up each time, as loading a file replaces all of it
+    @property
+    def window(self) -> bpy.types.Window:
+        return bpy.context.window_manager.windows[0]
+
+    @property
+    def area(self) -> bpy.types.Area:
+        return max((a for a in self.window.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.width * a.height)
+
+    def region(self, kind: str = "WINDOW") -> bpy.types.Region:
+        return next(region for region in self.area.regions if region.type == kind)
+
+    @property
+    def view(self) -> bpy.types.RegionView3D:
+        return self.area.spaces.active.region_3d
+
+    def context(self, kind: str = "WINDOW"):
+        """The context that the view's own buttons and keys would have."""
+        return bpy.context.temp_override(window=self.window, area=self.area, region=self.region(kind))
+
+    def pixel(self, world: Sequence[float]) -> tuple[int, int]:
+        """Window coordinates of a world position."""
+        region = self.region()
+        place = location_3d_to_region_2d(region, self.view, Vector(world))
+        assert place is not None, f"{tuple(world)} is behind the view"
+        return region.x + round(place.x), region.y + round(place.y)
+
+    # ---- events; each helper ends with a yield, so that Blender has handled them
+    def wait(self, seconds: float) -> Iterator[None]:
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            yield
+
+    def event(self, kind: str, value: str, **modifiers: bool) -> Iterator[None]:
+        x, y = self.mouse
+        self.window.event_simulate(type=kind, value=value, x=x, y=y, **modifiers)
+        yield
+
+    def move(self, place: tuple[int, int], *, steps: int = 1, **modifiers: bool) -> Iterator[None]:
+        """Move the mouse there on a straight line of so many events."""
+        start = self.mouse
+        for step in range(1, steps + 1):
+            self.mouse = tuple(round(a + (b - a) * step / steps) for a, b in zip(start, place, strict=True))
+            self.window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=self.mouse[0], y=self.mouse[1], **modifiers)
+            yield
+
+    def hover(self, place: tuple[int, int]) -> Iterator[None]:
+        """Arrive there as a hand does: the gizmo under the mouse is highlighted by a move, and drawn after it."""
+        yield from self.move((place[0] + 2, place[1] + 1))
+        yield from self.move(place)
+        yield
+
+    def press(self, kind: str = "LEFTMOUSE", **modifiers: bool) -> Iterator[None]:
+        yield from self.event(kind, "PRESS", **modifiers)
+
+    def release(self, kind: str = "LEFTMOUSE", **modifiers: bool) -> Iterator[None]:
+        yield from self.event(kind, "RELEASE", **modifiers)
+
+    def click(self, place: tuple[int, int], kind: str = "LEFTMOUSE", **modifiers: bool) -> Iterator[None]:
+        yield from self.hover(place)
+        yield from self.press(kind, **modifiers)
+        yield from self.release(kind, **modifiers)
+        yield
+
+    def drag(self, start: tuple[int, int], end: tuple[int, int], *, steps: int = 8) -> Iterator[None]:
+        yield from self.hover(start)
+        yield from self.press()
+        yield from self.move(end, steps=steps)
+        yield from self.release()
+        yield
+
+    def key(self, kind: str, **modifiers: bool) -> Iterator[None]:
+        yield from self.press(kind, **modifiers)
+        yield from self.release(kind, **modifiers)
+
+    def type(self, text: str) -> Iterator[None]:
+        names = dict(zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NINE".split(), strict=True))
+        for character in text:
+            yield from self.key({**names, ".": "PERIOD", "-": "MINUS"}[character])
+
+    def undo(self) -> Iterator[None]:
+        yield from self.key("Z", ctrl=True)
+        yield
+
+    def redo(self) -> Iterator[None]:
+        yield from self.key("Z", ctrl=True, shift=True)
+        yield
+
+    # ---- the view and the tool
+    def look(self, direction: str = "FRONT", distance: float = 8.0) -> Iterator[None]:
+        """An orthographic look at the origin: FRONT sees the XZ plane, TOP the XY plane, RIGHT the YZ plane."""
+        turns = {"TOP": (1, 0, 0, 0), "FRONT": (0.7071068, 0.7071068, 0, 0), "RIGHT": (0.5, 0.5, 0.5, 0.5)}
+        self.view.view_perspective = "ORTHO"
+        self.view.view_rotation = Quaternion(turns[direction])
+        self.view.view_location = (0, 0, 0)
+        self.view.view_distance = distance
+        yield from self.wait(0.1)
+
+    def use_tool(self, name: str = TOOL) -> Iterator[None]:
+        with self.context():
+            bpy.ops.wm.tool_set_by_id(name=name)
+        yield from self.wait(0.1)
+
+    @property
+    def tool(self) -> str:
+        return bpy.context.workspace.tools.from_space_view3d_mode("OBJECT", create=False).idname
+
+    def picture(self, name: str) -> Path:
+        """Everything on the screen, as a PNG."""
+        PICTURES.mkdir(parents=True, exist_ok=True)
+        path = PICTURES / f"{name}.png"
+        subprocess.run(["import", "-window", "root", str(path)], check=True)
+        return path
+
+
+def add_on() -> str:
+    """The module name of the installed extension."""
+    names = [name for name in bpy.context.preferences.addons.keys() if name.endswith(".planar_deform")]
+    assert names, "the extension is not enabled: run this file through run.py"
+    return names[0]
+
+
+def fresh_file() -> None:
+    bpy.ops.wm.read_homefile(app_template="")
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+
+
+def load(path: Path) -> list[Test]:
+    sys.path.insert(0, str(HERE))
+    sys.modules["harness"] = sys.modules[__name__]
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return [thing for name, thing in vars(module).items() if name.startswith("test_") and inspect.isfunction(thing)]
+
+
+def steps(path: Path, window: Window, results: list[bool]) -> Iterator[None]:
+    """Run all tests of the file one after the other, a step at a time."""
+    for test in load(path):
+        name, started = f"{path.stem}.{test.__name__}", time.monotonic()
+        fresh_file()
+        yield from window.wait(0.2)
+        try:
+            yield from test(window)
+            results.append(True)
+            print(f"PASS {name} ({time.monotonic() - started:.1f} s)", flush=True)
+        except Exception:
+            results.append(False)
+            print(f"FAIL {name}", flush=True)
+            for line in traceback.format_exc().splitlines():
+                print("     " + line, flush=True)
+            window.picture(f"failed-{name}")
+            yield from window.key("ESC")  # out of whatever modal operator the test left running
+            yield from window.wait(0.2)
+
+
+def main() -> None:
+    path = Path(sys.argv[sys.argv.index("--") + 1])
+    preferences = bpy.context.preferences
+    preferences.view.show_splash = False
+    preferences.view.smooth_view = 0
+    preferences.use_preferences_save = False
+    results: list[bool] = []
+    running = steps(path, Window(), results)
+
+    def tick() -> float:
+        try:
+            next(running)
+        except StopIteration:
+            print(f"{results.count(True)} passed, {results.count(False)} failed", flush=True)
+            os._exit(0 if results and all(results) else 1)
+        except BaseException:
+            traceback.print_exc()
+            sys.stdout.flush()
+            os._exit(1)
+        return 0.01
+
+    bpy.app.timers.register(tick, first_interval=0.5, persistent=True)
+
+
+if __name__ == "__main__":
+    main()
