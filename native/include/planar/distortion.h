@@ -5,8 +5,9 @@
 
 namespace planar {
 
-/// Distortion of a map of triangles (Solomon et al. 2011, section 3.3). With σ₁, σ₂ the singular values of a triangle's Jacobian:
-/// area σ₁σ₂ + 1/(σ₁σ₂), angle σ₁/σ₂ + σ₂/σ₁; both are 2 at best and infinite when the triangle collapses.
+/// Distortion of a map of triangles (Solomon et al. 2011, section 3.3). With σ₁, σ₂ the singular values of a
+/// triangle's Jacobian: area σ₁σ₂ + 1/(σ₁σ₂), angle σ₁/σ₂ + σ₂/σ₁; both are 2 at best and infinite when the
+/// triangle collapses.
 struct Distortion {
   double area;                     ///< mean of triangle_area by rest area
   double angle;                    ///< mean of triangle_angle by rest area
@@ -15,8 +16,9 @@ struct Distortion {
   Eigen::VectorXd triangle_angle;  ///< m values
 };
 
-/// Distortion from `rest` (n×2) to `posed` (n×2). Flips are judged on positions rounded to float32, which is what Blender stores.
-/// Triangles of no area at rest have no Jacobian: they count as undistorted (2) and not flipped.
+/// Distortion from `rest` (n×2) to `posed` (n×2). Flips are judged on positions rounded to float32, which is
+/// what Blender stores. Triangles of no area at rest have no Jacobian: they count as undistorted (2) and not
+/// flipped.
 ///
 /// \throw std::invalid_argument mismatched, non-finite or out-of-range input
 Distortion distortion(const Points& rest, const Points& posed, const Triangles& triangles);

@@ -10,7 +10,8 @@
 namespace planar {
 
 enum class PoserMethod {
-  akvf  ///< the paper's method: each move follows an as-Killing-as-possible field along logarithmic spirals; path dependent
+  akvf  ///< the paper's method: each move follows an as-Killing-as-possible field along logarithmic spirals;
+        ///< path dependent
 };
 
 struct PoserOptions {
@@ -21,21 +22,23 @@ struct PoserOptions {
 
 /// What the last move() or settle() did.
 struct Report {
-  int iterations = 0;            ///< steps towards the targets: 1 in move(), as many as it took in settle()
-  int substeps = 0;              ///< pieces these steps were cut into; each is one field and one advance
-  double furthest_handle = 0.0;  ///< largest distance of a handle from its target, in the unit of the positions
-  int flipped = 0;               ///< triangles that are inverted relative to the rest shape, judged as in `distortion`
-  bool converged = true;         ///< furthest_handle is at most 1e-3 of the rest's box diagonal
+  int iterations = 0;  ///< steps towards the targets: 1 in move(), as many as it took in settle()
+  int substeps = 0;    ///< pieces these steps were cut into; each is one field and one advance
+  double furthest_handle =
+      0.0;          ///< largest distance of a handle from its target, in the unit of the positions
+  int flipped = 0;  ///< triangles that are inverted relative to the rest shape, judged as in `distortion`
+  bool converged = true;  ///< furthest_handle is at most 1e-3 of the rest's box diagonal
 };
 
-/// Poses a mesh by dragging handles: registered with the rest shape, compiled with the handles, moved with their targets.
-/// \code
+/// Poses a mesh by dragging handles: registered with the rest shape, compiled with the handles, moved with
+/// their targets. \code
 ///   Poser poser(rest, triangles);
 ///   poser.set_handles(Handles::at_vertices(vertex, rest.rows()));
 ///   for (const Points& targets : path) show(poser.move(targets));
 /// \endcode
-/// The mesh's topology is analysed once; changing handles costs no new analysis. A drag of a few pins is cheap, whatever the mesh
-/// was before: handles are points of the mesh, so their targets are compared with where they are now.
+/// The mesh's topology is analysed once; changing handles costs no new analysis. A drag of a few pins is
+/// cheap, whatever the mesh was before: handles are points of the mesh, so their targets are compared with
+/// where they are now.
 class Poser {
  public:
   /// λ² of a pin when PoserOptions::pin_weight is empty.
@@ -51,19 +54,19 @@ class Poser {
 
   /// Replaces all handles; positions stay.
   /// \param weights k factors above 0 on pin_weight, or empty: all 1
-  /// \param groups k labels, or empty: all different. Handles with equal labels are one pin (a patch) and share its weight.
-  /// \throw std::invalid_argument as killing_field for the handles, else mismatched sizes or weights not above 0
+  /// \param groups k labels, or empty: all different. Handles with equal labels are one pin (a patch) and
+  /// share its weight. \throw std::invalid_argument as killing_field for the handles, else mismatched sizes
+  /// or weights not above 0
   void set_handles(Handles handles, Eigen::VectorXd weights = {}, Eigen::VectorXi groups = {});
 
-  /// One step of the handles towards `targets` (k×2), and of the mesh with them. The step is cut into substeps such that no
-  /// triangle inverts and no edge turns or stretches by more than 15° (0.26) in one; at most 32 in a call.
-  /// \return the new positions (n×2), valid until the object changes
-  /// \throw std::invalid_argument not k×2 or not finite
-  /// \throw SolveError the field could not be solved
+  /// One step of the handles towards `targets` (k×2), and of the mesh with them. The step is cut into
+  /// substeps such that no triangle inverts and no edge turns or stretches by more than 15° (0.26) in one; at
+  /// most 32 in a call. \return the new positions (n×2), valid until the object changes \throw
+  /// std::invalid_argument not k×2 or not finite \throw SolveError the field could not be solved
   const Points& move(const Points& targets);
 
-  /// Repeats steps towards the last targets until the handles stop getting nearer, at most 32 steps. Without targets: nothing.
-  /// \throw SolveError as move
+  /// Repeats steps towards the last targets until the handles stop getting nearer, at most 32 steps. Without
+  /// targets: nothing. \throw SolveError as move
   const Points& settle();
 
   /// Back to the rest shape. Handles stay, targets are forgotten.

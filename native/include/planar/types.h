@@ -5,10 +5,12 @@
 #include <stdexcept>
 
 /// Planar deformation methods. Every function follows the same rules:
-///  - lengths are in the caller's unit, angles in radians; nothing depends on the unit or the origin of the coordinates;
+///  - lengths are in the caller's unit, angles in radians; nothing depends on the unit or the origin of the
+///  coordinates;
 ///  - `std::invalid_argument` reports the caller's data and names the argument and its row;
 ///  - `SolveError` reports a numerical failure; after any exception an object is as it was before the call;
-///  - nothing prints, exits or keeps global state; one object is used by one thread at a time, objects are independent;
+///  - nothing prints, exits or keeps global state; one object is used by one thread at a time, objects are
+///  independent;
 ///  - equal input gives equal bits.
 namespace planar {
 
@@ -18,7 +20,8 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 /// m×3 vertex indices (from 0). Orientation may differ from triangle to triangle.
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// The numbers were valid, but the method failed on them (a singular system, an overflow, no memory for a factor).
+/// The numbers were valid, but the method failed on them (a singular system, an overflow, no memory for a
+/// factor).
 struct SolveError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

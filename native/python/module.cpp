@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The module's face: names, defaults, documentation. Arguments are converted in arrays.cpp.
+#include <pybind11/eigen.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "arrays.h"
+#include "guarded_poser.h"
+#include "planar/akvf.h"
+#include "planar/build_info.h"
+#include "planar/distortion.h"
+#include "planar/log_spiral.h"
+
+namespace py = pybind11;
+
+namespace planar::python {
+namespace {
+
+Points py_killing_field(py::handle vertices, py::handle triangles, py::handle handles, py::handle velocities,
+                        double pin_weight, bool hard, bool dirichlet, py::handle stiffness) {
+  const Points x = to_points("vertices", vertices);
+  const Triangles t = to_triangles(triangles);
+  const Handles h = to_handles(handles, t, x.rows());
+  const Points u = to_points("velocities", velocities, h.size());
+  const KillingOptions options{pin_weight, hard, dirichlet, to_numbers("stiffness", stiffness, t.rows())};
+  const py::gil_scoped_release unlocked;
+  return killing_field(x, t, h, u, options);
+}
+
+Points py_advance_along_spirals(py::handle vertices, py::handle triangles, py::handle velocities) {
+  const Points x = to_points("vertices", vertices);
+  const Triangles t = to_triangles(triangles);
+  const Points u = to_points("velocities", velocities, x.rows());
+  const py::gil_scoped_release unlocked;
+  return advance_along_spirals(x, t, u);
+}
+
+Distortion py_distortion(py::handle rest, py::handle posed, py::handle triangles) {
+  const Points x = to_points("rest", rest);
+  const Points y = to_points("posed", posed, x.rows());
+  const Triangles t = to_triangles(triangles);
+  const py::gil_scoped_release unlocked;
+  return distortion(x, y, t);
+}
+
+PoserMethod to_method(const std::string& name) {
+  if (name == "akvf") return PoserMethod::akvf;
+  throw std::invalid_argument("method: '" + name + "' is not available; there is 'akvf'");
+}
+
+std::unique_ptr<GuardedPoser> make_poser(py::handle rest, py::handle triangles, const std::string& method,
+                                         std::optional<double> pin_weight, py::handle stiffness) {
+  Points x = to_points("rest", rest);
+  Triangles t = to_triangles(triangles);
+  PoserOptions options;
+  options.method = to_method(method);
+  options.pin_weight = pin_weight;
+  options.stiffness = to_numbers("stiffness", stiffness, t.rows());
+  const py::gil_scoped_release unlocked;
+  return std::make_unique<GuardedPoser>(std::move(x), std::move(t), std::move(options));
+}
+
+void py_set_handles(GuardedPoser& poser, py::handle handles, py::handle weights, py::handle groups) {
+  Handles h = to_handles(handles, poser.triangles(), poser.n_vertices());
+  Eigen::VectorXd w = to_numbers("weights", weights, h.size());
+  Eigen::VectorXi g = to_indices("groups", groups, h.size());
+  const py::gil_scoped_release unlocked;
+  poser.set_handles(std::move(h), std::move(w), std::move(g));
+}
+
+Points py_move(GuardedPoser& poser, py::handle targets) {
+  const Points u = to_points("targets", targets);
+  const py::gil_scoped_release unlocked;
+  return poser.move(u);
+}
+
+void py_reset(GuardedPoser& poser, py::handle positions) {
+  if (positions.is_none()) {
+    const py::gil_scoped_release unlocked;
+    poser.reset();
+    return;
+  }
+  const Points x = to_points("positions", positions, poser.n_vertices());
+  const py::gil_scoped_release unlocked;
+  poser.reset(x);
+}
+
+py::dict py_build_info() {
+  const BuildInfo info = build_info();
+  py::dict result;
+  result["version"] = info.version;
+  result["backend"] = info.backend;
+  result["eigen"] = info.eigen;
+  result["suitesparse"] = info.suitesparse;
+  result["threads"] = info.threads;
+  return result;
+}
+
+std::string report_text(const Report& report) {
+  std::ostringstream text;
+  text << "Report(iterations=" << report.iterations << ", substeps=" << report.substeps
+       << ", furthest_handle=" << report.furthest_handle << ", flipped=" << report.flipped
+       << ", converged=" << (report.converged ? "True" : "False") << ")";
+  return text.str();
+}
+
+std::string distortion_text(const Distortion& value) {
+  std::ostringstream text;
+  text << "Distortion(area=" << value.area << ", angle=" << value.angle << ", flipped=" << value.flipped
+       << ")";
+  return text.str();
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, m) {
+  const auto without_gil = py::call_guard<py::gil_scoped_release>();
+  py::options options;
+  options.disable_function_signatures();
+
+  auto solve_error = py::register_exception<SolveError>(m, "SolveError", PyExc_RuntimeError);
+  solve_error.attr("__module__") = "planar_native";
+  solve_error.doc() = "A numerical failure: the data is valid, but the solve did not succeed.";
+
+  auto distortion_class =
+      py::class_<Distortion>(m, "Distortion",
+                             "Area and angle distortion of a posed mesh (AKVF, section 3.3).")
+          .def_readonly("area", &Distortion::area, "E_area of the whole mesh; 2 is none.")
+          .def_readonly("angle", &Distortion::angle, "E_angle of the whole mesh; 2 is none.")
+          .def_readonly(
+              "flipped", &Distortion::flipped,
+              "Triangles of opposite orientation than at rest, judged on float32-rounded positions.")
+          .def_readonly("triangle_area", &Distortion::triangle_area, "E_area of each triangle, m.")
+          .def_readonly("triangle_angle", &Distortion::triangle_angle, "E_angle of each triangle, m.")
+          .def("__repr__", &distortion_text);
+  distortion_class.attr("__module__") = "planar_native";
+
+  auto report_class =
+      py::class_<Report>(m, "Report", "What the last move or settle of a Poser did.")
+          .def_readonly("iterations", &Report::iterations,
+                        "Steps towards the targets: 1 in move, as many as it took in settle.")
+          .def_readonly("substeps", &Report::substeps,
+                        "Pieces these steps were cut into, each one field and one advance along its spirals.")
+          .def_readonly("furthest_handle", &Report::furthest_handle,
+                        "Largest distance of a handle from its target, in the unit of the positions.")
+          .def_readonly(
+              "flipped", &Report::flipped,
+              "Triangles of opposite orientation than at rest, judged on float32-rounded positions.")
+          .def_readonly("converged", &Report::converged,
+                        "Whether furthest_handle is at most 1e-3 of the diagonal of the rest's box.")
+          .def("__repr__", &report_text);
+  report_class.attr("__module__") = "planar_native";
+
+  m.def(
+      "killing_field", &py_killing_field, py::arg("vertices"), py::arg("triangles"), py::arg("handles"),
+      py::arg("velocities"), py::kw_only(), py::arg("pin_weight") = 1.0, py::arg("hard").noconvert() = false,
+      py::arg("dirichlet").noconvert() = true, py::arg("stiffness") = py::none(),
+      R"(killing_field(vertices, triangles, handles, velocities, *, pin_weight=1.0, hard=False, dirichlet=True, stiffness=None)
+
+The as-Killing-as-possible vector field that follows the handles' velocities.
+
+Solves (7) of Solomon et al. 2011, "As-Killing-As-Possible Vector Fields for Planar Deformation": the least Killing energy
+plus pin_weight times the squared errors at the handles; then, with `dirichlet`, (8): the same energy with the boundary
+vertices fixed to the first solution.
+
+vertices n x 2, triangles m x 3, handles k (see the module), velocities k x 2 in the unit of the vertices; pin_weight is
+the lambda squared of (7), without unit, ignored where `hard` makes the handles exact; stiffness is a positive factor per
+triangle, m.
+Returns n x 2 velocities. A connected part without a handle stays; one whose handles all lie at one point translates with the
+mean of their velocities. Very thin triangles are stiffened as if they were a little thicker.
+Raises ValueError (shape, dtype, not finite, index out of range) and SolveError.)");
+
+  m.def("advance_along_spirals", &py_advance_along_spirals, py::arg("vertices"), py::arg("triangles"),
+        py::arg("velocities"),
+        R"(advance_along_spirals(vertices, triangles, velocities)
+
+Moves each vertex for unit time along the logarithmic spirals that a velocity field draws on its edges.
+
+(14)-(16) of Solomon et al. 2011, as the mean over a vertex's edges of p + u (e^z - 1)/z with z the quotient of velocity and
+position difference along the edge: a field of rotation turns the mesh rigidly, by any angle below pi.
+
+vertices n x 2, triangles m x 3, velocities n x 2 in the unit of the vertices.
+Returns n x 2 positions; isolated vertices stay. Raises ValueError, and SolveError where a spiral overflows.)");
+
+  m.def("distortion", &py_distortion, py::arg("rest"), py::arg("posed"), py::arg("triangles"),
+        R"(distortion(rest, posed, triangles)
+
+Area and angle distortion between two shapes of a mesh (Solomon et al. 2011, section 3.3) and its flipped triangles.
+
+rest n x 2, posed n x 2, triangles m x 3. Returns a Distortion; 2 is no distortion, and so count triangles without area at
+rest. Raises ValueError.)");
+
+  auto poser_class = py::class_<GuardedPoser>(
+      m, "Poser", R"(Poser(rest, triangles, *, method="akvf", pin_weight=None, stiffness=None)
+
+Poses a mesh by moving handles. The object keeps the posed shape from one move to the next.
+
+rest n x 2, triangles m x 3; method "akvf" is the paper's as-Killing-as-possible deformation (Solomon et al. 2011, (7), (8),
+(14)-(16)) in substeps in which no triangle inverts, at most 32 in a move; pin_weight is the lambda squared of (7), without unit (None: 1);
+stiffness is a positive factor per triangle, m.
+
+    poser = Poser(rest, triangles)
+    poser.set_handles([0, 12])
+    posed = poser.move([[0.0, 0.0], [1.5, 0.2]])
+
+Threads may share an object: calls on it wait for each other. Different objects work in parallel.
+Raises ValueError (shape, dtype, not finite, index out of range, unknown method) and SolveError.)");
+  poser_class.attr("__module__") = "planar_native";
+  poser_class
+      .def(py::init(&make_poser), py::arg("rest"), py::arg("triangles"), py::kw_only(),
+           py::arg("method") = "akvf", py::arg("pin_weight") = py::none(), py::arg("stiffness") = py::none())
+      .def("set_handles", &py_set_handles, py::arg("handles"), py::kw_only(), py::arg("weights") = py::none(),
+           py::arg("groups") = py::none(), R"(set_handles(handles, *, weights=None, groups=None)
+
+Replaces the handles. The shape stays as it is.
+
+handles k (see the module); weights k, positive, multiply pin_weight (None: 1 each); groups k integers: handles of one group
+(a patch) share the weight of one pin (None: each handle is its own group). Raises ValueError.)")
+      .def("move", &py_move, py::arg("targets"), R"(move(targets)
+
+One step of the handles from where they are towards targets, k x 2, and of the mesh with them. Returns the new positions, n x 2.
+Raises ValueError and SolveError; the shape is then the one before the call.)")
+      .def("settle", &GuardedPoser::settle, without_gil, R"(settle()
+
+Steps on towards the last targets until the handles stop getting nearer, for when the mouse rests. Returns the new positions, n x 2. Raises SolveError.)")
+      .def("reset", &py_reset, py::arg("positions") = py::none(), R"(reset(positions=None)
+
+Takes positions, n x 2, as the present shape; None takes the rest shape. Handles stay, targets are forgotten. Raises ValueError.)")
+      .def_property_readonly("positions", py::cpp_function(&GuardedPoser::positions, without_gil),
+                             "The present shape, n x 2; a copy.")
+      .def_property_readonly("report", py::cpp_function(&GuardedPoser::report, without_gil),
+                             "What the last move or settle did, a Report.");
+
+  m.def("build_info", &py_build_info, R"(build_info()
+
+How the module was built: version, backend of the sparse solver, the versions of eigen and suitesparse, and the threads a
+solve may use.)");
+}
+
+}  // namespace planar::python

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planar/akvf.h"
+
+#include "checks.h"
+#include "killing_solver.h"
+
+namespace planar {
+
+Points killing_field(const Points& vertices, const Triangles& triangles, const Handles& handles,
+                     const Points& velocities, const KillingOptions& options) {
+  require_mesh("vertices", vertices, triangles);
+  require_rows("velocities", velocities.rows(), handles.size(), "handle");
+  require_finite("velocities", velocities);
+  const Eigen::VectorXd weights =
+      Eigen::VectorXd::Constant(handles.size(), options.hard ? 1.0 : options.pin_weight);
+  if (!options.hard) require_positive("pin_weight", Eigen::VectorXd::Constant(1, options.pin_weight));
+
+  KillingSolver solver(Mesh(vertices.rows(), triangles), options.stiffness,
+                       {.hard = options.hard, .dirichlet = options.dirichlet});
+  solver.set_handles(handles, weights);
+  Points field;
+  solver.solve(vertices, velocities, field);
+  return field;
+}
+
+}  // namespace planar

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "planar/types.h"
+
+/// Checks of the caller's data. Each throws std::invalid_argument that names the argument and its first row
+/// at fault.
+namespace planar {
+
+void require_rows(const char* name, Eigen::Index rows, Eigen::Index expected, const char* of);
+void require_finite(const char* name, const Eigen::Ref<const Points>& values);
+void require_positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>& values);
+
+/// `vertices` and `triangles` make a mesh: finite rows, at least one triangle (the indices are checked by
+/// Mesh).
+void require_mesh(const char* name, const Points& vertices, const Triangles& triangles);
+
+std::string row_of(const char* name, Eigen::Index row);
+
+}  // namespace planar

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "killing_solver.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "checks.h"
+
+namespace planar {
+
+namespace {
+
+constexpr double one_point =
+    1e-6;  // of the box diagonal: handles nearer to each other cannot say how to turn
+constexpr double same_weights = 1e-9;  // barycentric weights of one and the same point
+constexpr int worth_a_thread = 1000;   // vertices
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::vector<int> reorder(const Mesh& mesh, std::vector<int> kept, SparseSolver& solver) {
+  const std::vector<int> order = solver.fill_reducing_order(vertex_graph(mesh, kept));
+  std::vector<int> result;
+  result.reserve(kept.size());
+  for (const int k : order) result.push_back(kept[at(k)]);
+  return result;
+}
+
+}  // namespace
+
+KillingSolver::System::System(const Mesh& mesh, std::vector<int> kept, Backend backend)
+    : solver(SparseSolver::create(backend)),
+      killing(mesh, reorder(mesh, std::move(kept), *solver)),
+      unknown(killing.matrix().size) {
+  solver->analyze(killing.matrix());
+}
+
+KillingSolver::KillingSolver(Mesh mesh, Eigen::VectorXd stiffness, Options options)
+    : mesh_(std::move(mesh)), stiffness_(std::move(stiffness)), options_(options) {
+  if (stiffness_.size() != 0) {
+    require_rows("stiffness", stiffness_.size(), mesh_.triangles.rows(), "triangle");
+    require_positive("stiffness", stiffness_);
+  }
+}
+
+void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& weights) {
+  require_rows("handles.weights", handles.weights.rows(), handles.size(), "handle");
+  std::vector<Pin> points;
+  for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
+    Pin pin{};
+    pin.strength = weights[row];
+    pin.rows = {row};
+    std::array<std::pair<int, double>, 3> corner;
+    for (int c = 0; c < 3; ++c) {
+      const int v = handles.vertices(row, c);
+      if (v < 0 || v >= mesh_.n_vertices) {
+        throw std::invalid_argument(row_of("handles", row) + "vertex " + std::to_string(v) +
+                                    " is out of range, the mesh has " + std::to_string(mesh_.n_vertices) +
+                                    " vertices");
+      }
+      corner[at(c)] = {v, handles.weights(row, c)};
+    }
+    if (!(std::abs(handles.weights.row(row).sum() - 1.0) <= same_weights)) {
+      throw std::invalid_argument(row_of("handles", row) + "the weights must sum to 1");
+    }
+    std::sort(corner.begin(), corner.end());
+    for (const auto& [v, weight] : corner) {
+      if (weight == 0.0) continue;
+      if (pin.n_corners > 0 && pin.vertex[pin.n_corners - 1] == v) {
+        pin.weight[pin.n_corners - 1] += weight;
+        continue;
+      }
+      for (std::size_t c = 0; c < pin.n_corners; ++c) {
+        if (!mesh_.has_edge(pin.vertex[c], v)) {
+          throw std::invalid_argument(row_of("handles", row) + "its vertices are not those of one triangle");
+        }
+      }
+      pin.vertex[pin.n_corners] = v;
+      pin.weight[pin.n_corners++] = weight;
+    }
+    pin.part = mesh_.part[at(pin.vertex[0])];
+    points.push_back(std::move(pin));
+  }
+  const auto where = [](const Pin& pin) {
+    return std::tie(pin.n_corners, pin.vertex, pin.weight, pin.rows[0]);
+  };
+  std::sort(points.begin(), points.end(), [&](const Pin& a, const Pin& b) { return where(a) < where(b); });
+  std::vector<Pin> pins;
+  for (Pin& point : points) {
+    if (!pins.empty() && pins.back().n_corners == point.n_corners && pins.back().vertex == point.vertex &&
+        std::equal(point.weight.begin(), point.weight.end(), pins.back().weight.begin(),
+                   [](double a, double b) { return std::abs(a - b) <= same_weights; })) {
+      pins.back().rows.push_back(point.rows[0]);
+      pins.back().strength = std::max(pins.back().strength, point.strength);
+    } else {
+      pins.push_back(std::move(point));
+    }
+  }
+
+  std::vector<int> used, inside;
+  for (int v = 0; v < mesh_.n_vertices; ++v) {
+    if (mesh_.part[at(v)] >= 0) used.push_back(v);
+    if (mesh_.interior[at(v)]) inside.push_back(v);
+  }
+  if (!all_ && !pins.empty()) all_.emplace(mesh_, std::move(used), options_.backend);
+  const bool correct = options_.dirichlet && std::any_of(pins.begin(), pins.end(), [this](const Pin& pin) {
+                         return touches_interior(pin);
+                       });
+  if (!inside_ && correct) inside_.emplace(mesh_, std::move(inside), options_.backend);
+  force_.resize(pins.size());
+  pins_ = std::move(pins);
+}
+
+bool KillingSolver::touches_interior(const Pin& pin) const {
+  return std::any_of(pin.vertex.begin(), pin.vertex.begin() + static_cast<std::ptrdiff_t>(pin.n_corners),
+                     [this](int v) { return mesh_.interior[at(v)] != 0; });
+}
+
+void KillingSolver::fit_rigid_fields(const Points& x, const Points& velocities) {
+  rigid_.assign(at(mesh_.n_parts), {Eigen::RowVector2d::Zero(), Eigen::RowVector2d::Zero(), 0.0});
+  bent_.assign(at(mesh_.n_parts), 0);
+  std::vector<double> total(at(mesh_.n_parts)), spread(at(mesh_.n_parts)), inertia(at(mesh_.n_parts));
+  for (Pin& pin : pins_) {
+    if (pin.part < 0) continue;
+    pin.position.setZero();
+    for (std::size_t c = 0; c < pin.n_corners; ++c) pin.position += pin.weight[c] * x.row(pin.vertex[c]);
+    pin.velocity.setZero();
+    for (const int row : pin.rows) pin.velocity += velocities.row(row) / static_cast<double>(pin.rows.size());
+    const double weight = options_.hard ? 1.0 : pin.strength;
+    rigid_[at(pin.part)].centre += weight * pin.position;
+    rigid_[at(pin.part)].mean += weight * pin.velocity;
+    total[at(pin.part)] += weight;
+  }
+  for (std::size_t part = 0; part < rigid_.size(); ++part) {
+    if (total[part] == 0.0) continue;
+    rigid_[part].centre /= total[part];
+    rigid_[part].mean /= total[part];
+  }
+  for (const Pin& pin : pins_) {
+    if (pin.part < 0) continue;
+    const Eigen::RowVector2d arm = pin.position - rigid_[at(pin.part)].centre;
+    const Eigen::RowVector2d velocity = pin.velocity - rigid_[at(pin.part)].mean;
+    const double weight = options_.hard ? 1.0 : pin.strength;
+    spread[at(pin.part)] = std::max(spread[at(pin.part)], arm.norm());
+    inertia[at(pin.part)] += weight * arm.squaredNorm();
+    rigid_[at(pin.part)].rate += weight * (arm.x() * velocity.y() - arm.y() * velocity.x());
+  }
+  const double diagonal = (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
+  for (std::size_t part = 0; part < rigid_.size(); ++part) {
+    bent_[part] = spread[part] > one_point * diagonal;
+    rigid_[part].rate = bent_[part] ? rigid_[part].rate / inertia[part] : 0.0;
+  }
+  for (Pin& pin : pins_) {
+    if (pin.part >= 0) pin.velocity -= rigid_[at(pin.part)].at(pin.position);
+  }
+}
+
+void KillingSolver::solve(const Points& x, const Points& velocities, Points& field) {
+  // K is zero on rigid fields, so (7) is solved for what is left of the velocities after each part's best
+  // rigid field. Rigid motions are exact this way, and parts that (7) leaves undetermined have nothing left.
+  fit_rigid_fields(x, velocities);
+  const bool any_bent = std::any_of(bent_.begin(), bent_.end(), [](char bent) { return bent != 0; });
+  const bool correct = options_.dirichlet && std::any_of(pins_.begin(), pins_.end(), [this](const Pin& pin) {
+                         return pin.part >= 0 && bent_[at(pin.part)] && touches_interior(pin);
+                       });
+  if (any_bent) {
+    const auto factor_inside = [this, &x] {
+      inside_->killing.assemble(x, stiffness_, bent_);
+      inside_->solver->factorize(inside_->killing.matrix());
+    };
+    struct Waiting {
+      Worker& worker;
+      ~Waiting() { worker.wait(); }
+    } const waiting{worker_};
+    const bool two_threads = correct && mesh_.n_vertices >= worth_a_thread;
+    if (two_threads) worker_.start(factor_inside);
+    all_->killing.assemble(x, stiffness_, bent_);
+    if (options_.hard) {
+      solve_hard();
+    } else {
+      solve_soft();
+    }
+    if (correct) {
+      if (two_threads) {
+        worker_.finish();
+      } else {
+        factor_inside();
+      }
+      correct_interior();
+    }
+  }
+
+  field.setZero(mesh_.n_vertices, 2);
+  for (int v = 0; v < mesh_.n_vertices; ++v) {
+    const int part = mesh_.part[at(v)];
+    if (part < 0) continue;
+    field.row(v) = rigid_[at(part)].at(x.row(v));
+    if (bent_[at(part)]) {
+      const int place = all_->killing.place(v);
+      field(v, 0) += all_->unknown[2 * place];
+      field(v, 1) += all_->unknown[2 * place + 1];
+    }
+    if (correct && bent_[at(part)] && mesh_.interior[at(v)]) {
+      const int place = inside_->killing.place(v);
+      field(v, 0) += inside_->unknown[2 * place];
+      field(v, 1) += inside_->unknown[2 * place + 1];
+    }
+  }
+  if (!field.allFinite())
+    throw SolveError("the field is not finite: the mesh or the velocities are too large or too distorted");
+}
+
+void KillingSolver::solve_soft() {
+  Eigen::VectorXd& unknown = all_->unknown;
+  unknown.setZero();
+  for (const Pin& pin : pins_) {
+    if (pin.part < 0 || !bent_[at(pin.part)]) continue;
+    for (std::size_t a = 0; a < pin.n_corners; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        all_->killing.add(pin.vertex[a], pin.vertex[b], pin.strength * pin.weight[a] * pin.weight[b]);
+      }
+      unknown.segment<2>(2 * all_->killing.place(pin.vertex[a])) +=
+          pin.strength * pin.weight[a] * pin.velocity.transpose();
+    }
+  }
+  all_->solver->factorize(all_->killing.matrix());
+  all_->solver->solve(unknown, unknown);
+  for (std::size_t i = 0; i < pins_.size(); ++i) {
+    const Pin& pin = pins_[i];
+    Eigen::RowVector2d reached = Eigen::RowVector2d::Zero();
+    for (std::size_t c = 0; c < pin.n_corners && pin.part >= 0; ++c) {
+      reached += pin.weight[c] * unknown.segment<2>(2 * all_->killing.place(pin.vertex[c])).transpose();
+    }
+    force_[i] = pin.strength * (pin.velocity - reached);
+  }
+}
+
+// U minimises E_K subject to C U = u. With A = K + CᵀC and Z = A⁻¹Cᵀ it is U = Z m, (C Z) m = u: A U + Cᵀμ =
+// Cᵀu for some multipliers μ, hence U is in the span of Z. The same pattern as (7), and exact. The pull of
+// the handles is K U = Cᵀ(m - u).
+void KillingSolver::solve_hard() {
+  std::vector<std::size_t> active;
+  for (std::size_t i = 0; i < pins_.size(); ++i) {
+    const Pin& pin = pins_[i];
+    if (pin.part < 0 || !bent_[at(pin.part)]) continue;
+    active.push_back(i);
+    for (std::size_t a = 0; a < pin.n_corners; ++a) {
+      for (std::size_t b = 0; b <= a; ++b)
+        all_->killing.add(pin.vertex[a], pin.vertex[b], pin.weight[a] * pin.weight[b]);
+    }
+  }
+  all_->solver->factorize(all_->killing.matrix());
+
+  const auto n_constraints = static_cast<Eigen::Index>(2 * active.size());
+  Eigen::MatrixXd z(all_->unknown.size(), n_constraints);
+  Eigen::MatrixXd schur(n_constraints, n_constraints);
+  Eigen::VectorXd wanted(n_constraints), column(all_->unknown.size());
+  for (Eigen::Index k = 0; k < n_constraints; ++k) {
+    const Pin& pin = pins_[active[static_cast<std::size_t>(k / 2)]];
+    column.setZero();
+    for (std::size_t c = 0; c < pin.n_corners; ++c)
+      column[2 * all_->killing.place(pin.vertex[c]) + k % 2] = pin.weight[c];
+    all_->solver->solve(column, column);
+    z.col(k) = column;
+    wanted[k] = pin.velocity[k % 2];
+  }
+  for (Eigen::Index k = 0; k < n_constraints; ++k) {
+    const Pin& pin = pins_[active[static_cast<std::size_t>(k / 2)]];
+    schur.row(k).setZero();
+    for (std::size_t c = 0; c < pin.n_corners; ++c) {
+      schur.row(k) += pin.weight[c] * z.row(2 * all_->killing.place(pin.vertex[c]) + k % 2);
+    }
+  }
+  // Dependent constraints (four handles in a triangle) make it singular; a rank-revealing factor meets them
+  // by least squares.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense(n_constraints, n_constraints);
+  dense.setThreshold(1e-10);
+  dense.compute(schur);
+  const Eigen::VectorXd multiplier = dense.solve(wanted);
+  all_->unknown = z * multiplier;
+  for (Eigen::Index k = 0; k < n_constraints; ++k) {
+    force_[active[static_cast<std::size_t>(k / 2)]][k % 2] = multiplier[k] - wanted[k];
+  }
+}
+
+// (8) with U = U° + d, d = 0 on the boundary: K_II d = -(K U°)_I, and by (7) K U° is zero but at the handles.
+// Where no handle lies inside, d = 0. Elsewhere this is also more accurate than moving the boundary's values
+// to the right side.
+void KillingSolver::correct_interior() {
+  Eigen::VectorXd& unknown = inside_->unknown;
+  unknown.setZero();
+  for (std::size_t i = 0; i < pins_.size(); ++i) {
+    const Pin& pin = pins_[i];
+    if (pin.part < 0 || !bent_[at(pin.part)]) continue;
+    for (std::size_t c = 0; c < pin.n_corners; ++c) {
+      const int place = inside_->killing.place(pin.vertex[c]);
+      if (place >= 0) unknown.segment<2>(2 * place) -= pin.weight[c] * force_[i].transpose();
+    }
+  }
+  inside_->solver->solve(unknown, unknown);
+}
+
+}  // namespace planar

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "killing_energy.h"
+#include "mesh.h"
+#include "planar/handle.h"
+#include "sparse_solver.h"
+#include "worker.h"
+
+namespace planar {
+
+/// The solver behind killing_field and the Poser: as-Killing-as-possible fields of one mesh at any positions
+/// of its vertices. The topology is analysed once; handles only change numbers.
+class KillingSolver {
+ public:
+  struct Options {
+    bool hard = false;
+    bool dirichlet = true;
+    Backend backend = default_backend();
+  };
+
+  /// \param stiffness m factors above 0, or empty
+  /// \throw std::invalid_argument see killing_field
+  KillingSolver(Mesh mesh, Eigen::VectorXd stiffness, Options options);
+
+  /// \param weights k: λ² of each handle
+  /// \throw std::invalid_argument a handle is not inside a triangle, edge or vertex of the mesh
+  void set_handles(const Handles& handles, const Eigen::VectorXd& weights);
+
+  /// The field (n×2) of the mesh at x (n×2) for handle velocities (k×2), both finite. See killing_field.
+  /// \throw SolveError
+  void solve(const Points& x, const Points& velocities, Points& field);
+
+  const Mesh& mesh() const { return mesh_; }
+
+ private:
+  /// A point of the mesh and the rows of handles that lie on it.
+  struct Pin {
+    std::array<int, 3> vertex;     ///< those that carry weight, ascending
+    std::array<double, 3> weight;  ///< barycentric
+    std::size_t n_corners;
+    double strength;  ///< λ²
+    int part;
+    std::vector<int> rows;
+    Eigen::RowVector2d position,
+        velocity;  ///< of the current solve; velocity relative to the part's rigid field
+  };
+
+  /// The rigid field mean + rate·R90·(p - centre) nearest to a part's pin velocities.
+  struct RigidField {
+    Eigen::RowVector2d centre, mean;
+    double rate;
+    Eigen::RowVector2d at(const Eigen::RowVector2d& p) const {
+      return {mean.x() - rate * (p.y() - centre.y()), mean.y() + rate * (p.x() - centre.x())};
+    }
+  };
+
+  /// A Killing matrix over some vertices, in an order that keeps its factor sparse.
+  struct System {
+    System(const Mesh& mesh, std::vector<int> kept, Backend backend);
+    std::unique_ptr<SparseSolver> solver;
+    KillingMatrix killing;
+    Eigen::VectorXd unknown;
+  };
+
+  void fit_rigid_fields(const Points& x, const Points& velocities);
+  bool touches_interior(const Pin& pin) const;
+  void solve_soft();
+  void solve_hard();
+  void correct_interior();
+
+  Mesh mesh_;
+  Eigen::VectorXd stiffness_;
+  Options options_;
+  std::vector<Pin> pins_;
+  std::vector<RigidField> rigid_;          ///< per part
+  std::vector<char> bent_;                 ///< per part: its pins ask for more than a rigid field can give
+  std::optional<System> all_;              ///< of (7)
+  std::optional<System> inside_;           ///< of (8), the interior vertices
+  std::vector<Eigen::RowVector2d> force_;  ///< per pin: what it pulls with in the solution of (7)
+  Worker worker_;
+};
+
+}  // namespace planar

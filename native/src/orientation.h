@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "planar/types.h"
+
+namespace planar {
+
+/// Which way round triangles lie, judged on positions rounded to float32, which is what Blender stores.
+class Orientation {
+ public:
+  /// Takes the orientation of `rest` as the right one. Triangles without area there are not judged.
+  Orientation(const Points& rest, const Triangles& triangles);
+
+  /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.
+  void measure(const Points& x, std::vector<double>& area) const;
+
+  /// Triangles that lie the other way round at x.
+  int count_flipped(const Points& x) const;
+
+ private:
+  Triangles triangles_;
+  std::vector<double> sign_;  ///< of the rest: 1, -1, or 0 if not judged
+};
+
+}  // namespace planar

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planar/poser.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "checks.h"
+#include "killing_solver.h"
+#include "orientation.h"
+#include "spirals.h"
+
+namespace planar {
+
+namespace {
+
+constexpr double largest_turn = 0.26;  // of an edge in a substep: 15°
+constexpr int substep_budget = 32;     // of a step
+constexpr int halving_budget = 8;      // of a substep that would invert a triangle
+constexpr int settle_budget = 32;      // steps
+constexpr double reached = 1e-3;       // of the box diagonal
+constexpr double nearer = 0.99;  // a step of settle() that leaves more of the distance than this is the last
+
+double furthest(const Points& from, const Points& to) {
+  return from.rows() == 0 ? 0.0 : (from - to).rowwise().norm().maxCoeff();
+}
+
+}  // namespace
+
+struct Poser::State {
+  State(Points rest_, Triangles triangles, PoserOptions options_)
+      : rest(std::move(rest_)),
+        options(std::move(options_)),
+        solver(Mesh(rest.rows(), std::move(triangles)), options.stiffness, {}),
+        spirals(solver.mesh()),
+        orientation(rest, solver.mesh().triangles),
+        positions(rest),
+        diagonal((rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm()) {}
+
+  void step(const Points& targets, Report& report);
+  bool take_substep(double t);
+  void conclude(const Points& targets, Report& report) const;
+
+  Points rest;
+  PoserOptions options;
+  KillingSolver solver;
+  Spirals spirals;
+  Orientation orientation;
+  Handles handles;
+  Points positions;
+  double diagonal;
+  std::optional<Points> targets;
+  Report report;
+
+  Points current, next, field;  // of the step under way
+  std::vector<double> area, next_area;
+};
+
+/// Moves `current` towards the targets.
+void Poser::State::step(const Points& towards, Report& done) {
+  ++done.iterations;
+  for (int substep = 0; substep < substep_budget; ++substep) {
+    const Points velocities = towards - handles.positions(current);
+    if (velocities.isZero(0.0)) return;
+    solver.solve(current, velocities, field);
+    const double turn = spirals.prepare(current, field);
+    double t = std::min(1.0, largest_turn / turn);
+    orientation.measure(current, area);
+    int halvings = 0;
+    while (!take_substep(t)) {
+      if (++halvings > halving_budget) return;
+      t *= 0.5;
+    }
+    ++done.substeps;
+    std::swap(current, next);
+    if (t == 1.0) return;
+  }
+}
+
+/// Advances `current` by t into `next`; false if that inverts a triangle.
+bool Poser::State::take_substep(double t) {
+  spirals.advance(t, next);
+  if (!next.allFinite()) return false;
+  orientation.measure(next, next_area);
+  for (std::size_t i = 0; i < area.size(); ++i) {
+    if (area[i] > 0.0 && !(next_area[i] > 0.0)) return false;
+  }
+  return true;
+}
+
+void Poser::State::conclude(const Points& towards, Report& done) const {
+  done.furthest_handle = furthest(handles.positions(current), towards);
+  done.flipped = orientation.count_flipped(current);
+  done.converged = done.furthest_handle <= reached * diagonal;
+}
+
+Poser::Poser(Points rest, Triangles triangles, PoserOptions options) {
+  require_mesh("rest", rest, triangles);
+  if (options.pin_weight) require_positive("pin_weight", Eigen::VectorXd::Constant(1, *options.pin_weight));
+  state_ = std::make_unique<State>(std::move(rest), std::move(triangles), std::move(options));
+}
+
+Poser::Poser(Poser&&) noexcept = default;
+Poser& Poser::operator=(Poser&&) noexcept = default;
+Poser::~Poser() = default;
+
+void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorXi groups) {
+  const double pin_weight = state_->options.pin_weight.value_or(default_pin_weight);
+  Eigen::VectorXd strength = Eigen::VectorXd::Constant(handles.size(), pin_weight);
+  if (weights.size() != 0) {
+    require_rows("weights", weights.size(), handles.size(), "handle");
+    require_positive("weights", weights);
+    strength.array() *= weights.array();
+  }
+  if (groups.size() != 0) {
+    require_rows("groups", groups.size(), handles.size(), "handle");
+    std::map<int, int> members;
+    for (const int group : groups) ++members[group];
+    for (Eigen::Index i = 0; i < strength.size(); ++i) strength[i] /= members[groups[i]];
+  }
+  state_->solver.set_handles(handles, strength);
+  state_->handles = std::move(handles);
+  state_->targets.reset();
+}
+
+const Points& Poser::move(const Points& targets) {
+  State& state = *state_;
+  require_rows("targets", targets.rows(), state.handles.size(), "handle");
+  require_finite("targets", targets);
+  Report report;
+  std::optional<Points> kept = targets;
+  state.current = state.positions;
+  state.step(targets, report);
+  state.conclude(targets, report);
+  std::swap(state.positions, state.current);
+  std::swap(state.targets, kept);
+  state.report = report;
+  return state.positions;
+}
+
+const Points& Poser::settle() {
+  State& state = *state_;
+  if (!state.targets) return state.positions;
+  const Points& targets = *state.targets;
+  Report report;
+  state.current = state.positions;
+  Points best = state.positions;
+  double distance = furthest(state.handles.positions(best), targets);
+  for (int i = 0; i < settle_budget; ++i) {
+    state.step(targets, report);
+    const double left = furthest(state.handles.positions(state.current), targets);
+    if (left < distance) best = state.current;
+    if (!(left <= nearer * distance)) break;
+    distance = left;
+  }
+  std::swap(state.current, best);
+  state.conclude(targets, report);
+  std::swap(state.positions, state.current);
+  state.report = report;
+  return state.positions;
+}
+
+void Poser::reset() {
+  State& state = *state_;
+  state.positions = state.rest;
+  state.targets.reset();
+  state.report = {};
+}
+
+void Poser::reset(const Points& positions) {
+  State& state = *state_;
+  require_rows("positions", positions.rows(), state.rest.rows(), "vertex");
+  require_finite("positions", positions);
+  state.positions = positions;
+  state.targets.reset();
+  state.report = {};
+  state.report.flipped = state.orientation.count_flipped(positions);
+}
+
+const Points& Poser::positions() const { return state_->positions; }
+const Report& Poser::report() const { return state_->report; }
+
+}  // namespace planar

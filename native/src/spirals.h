@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "mesh.h"
+
+namespace planar {
+
+/// Advances the vertices of one mesh along logarithmic spirals, see planar/log_spiral.h. Two stages, so that
+/// the step can be chosen by what it does to the edges, and made smaller without computing it anew.
+class Spirals {
+ public:
+  explicit Spirals(const Mesh& mesh);
+
+  /// Takes positions and velocities (n×2) and returns the largest |z| of an edge: by how much it turns and
+  /// stretches in unit time.
+  double prepare(const Points& x, const Points& velocities);
+
+  /// The prepared positions after time t.
+  void advance(double t, Points& result);
+
+ private:
+  std::vector<std::array<int, 2>> edges_;
+  std::vector<double> inverse_degree_;  ///< 0 without edges
+  std::vector<std::complex<double>> x_, velocity_, z_;
+};
+
+}  // namespace planar
