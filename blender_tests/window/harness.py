@@ -161,8 +161,6 @@ def fresh_file() -> None:
 
 
 def load(path: Path) -> list[Test]:
-    sys.path.insert(0, str(HERE))
-    sys.modules["harness"] = sys.modules[__name__]
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -215,4 +213,8 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    # Blender runs a script in a namespace that is no module; tests import this one.
+    sys.path.insert(0, str(HERE))
+    import harness
+
+    harness.main()

@@ -3,7 +3,7 @@
 """Run the window tests: real events in a real Blender window on a virtual screen.
 
     python3 blender_tests/window/run.py --blender /usr/bin/blender [file ...]
-    python3 blender_tests/window/run.py --room trixie [file ...]
+    tools/room.sh trixie python3 blender_tests/window/run.py --blender /usr/bin/blender [file ...]
 
 The built extension is installed as a user would install it, into a throw-away set of user folders; then every test
 file runs in a Blender process of its own. A failed test, a Python error that Blender printed, a crash, a time-out and
@@ -11,55 +11,32 @@ a file in which no test ran are all failures. Exit code 0 only if nothing failed
 """
 
 import argparse
-import contextlib
-import dataclasses
 import os
 import re
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
-ROOMS = Path(os.environ.get("PLANAR_ROOMS", "/var/cache/planar-deform/rooms"))
 SCREEN = "1280x800x24"
 TIMEOUT = 240  # seconds a file: ten times what the slowest one needs on two cores
 
 
-@dataclasses.dataclass(frozen=True)
-class Place:
-    """Where Blender runs: on this machine, or in a Debian room with the project mounted at the same path."""
-
-    blender: str
-    room: Path | None
-
-    def command(self, arguments: list[str]) -> list[str]:
-        if self.room is None:
-            return arguments
-        # Namespaces of its own: the mounts, the screen and every process vanish with the command, however it ends.
-        # The shell stays process 1, as Xvfb never tells a process 1 that it is ready.
-        mount = (
-            'mkdir -p "$ROOM$PROJECT" && mount --bind "$PROJECT" "$ROOM$PROJECT" && mkdir -p "$ROOM$WORK" && '
-            'mount --bind "$WORK" "$ROOM$WORK" && mount -t proc proc "$ROOM/proc" && chroot "$ROOM" "$@"; exit $?'
-        )
-        spaces = ["unshare", "--mount", "--net", "--pid", "--fork", "--kill-child"]
-        return [*spaces, "sh", "-c", mount, "sh", *arguments]
-
-    def environment(self, work: Path) -> dict[str, str]:
-        keep = {key: os.environ[key] for key in ("PATH", "LANG") if key in os.environ}
-        own = {"HOME": str(work), "BLENDER_USER_RESOURCES": str(work / "resources"), "LIBGL_ALWAYS_SOFTWARE": "1"}
-        room = {"ROOM": str(self.room or ""), "PROJECT": str(PROJECT), "WORK": str(work)}
-        return {**keep, **own, **room, "PYTHONDONTWRITEBYTECODE": "1"}
+def environment(work: Path) -> dict[str, str]:
+    """Nothing of the user's own settings, and all that Blender writes goes below `work`."""
+    keep = {key: os.environ[key] for key in ("PATH", "LANG") if key in os.environ}
+    own = {"HOME": str(work), "BLENDER_USER_RESOURCES": str(work / "resources"), "LIBGL_ALWAYS_SOFTWARE": "1"}
+    return {**keep, **own, "PYTHONDONTWRITEBYTECODE": "1"}
 
 
-def run(place: Place, work: Path, arguments: list[str], timeout: int) -> tuple[int, str]:
+def run(work: Path, arguments: list[str], timeout: int) -> tuple[int, str]:
     """The exit code and everything printed; a process that hangs is killed with its children (exit code -9)."""
     process = subprocess.Popen(
-        place.command(arguments),
-        env=place.environment(work),
+        arguments,
+        env=environment(work),
         cwd=PROJECT,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -76,19 +53,19 @@ def run(place: Place, work: Path, arguments: list[str], timeout: int) -> tuple[i
     return process.returncode, output
 
 
-def install(place: Place, work: Path, extension: Path) -> None:
-    arguments = [place.blender, "--background", "--command", "extension", "install-file"]
-    code, output = run(place, work, [*arguments, "--repo", "user_default", "--enable", str(extension)], 120)
+def install(blender: str, work: Path, extension: Path) -> None:
+    arguments = [blender, "--background", "--command", "extension", "install-file"]
+    code, output = run(work, [*arguments, "--repo", "user_default", "--enable", str(extension)], 120)
     if code != 0:
         raise SystemExit(f"Blender could not install {extension}:\n{output}")
 
 
-def run_file(place: Place, work: Path, file: Path) -> tuple[int, int, str]:
+def run_file(blender: str, work: Path, file: Path) -> tuple[int, int, str]:
     """(passed, failed, what was printed) of one test file."""
     screen = ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}"]
-    window = [place.blender, "--enable-event-simulate", "--window-geometry", "0", "0", "1280", "800"]
+    window = [blender, "--enable-event-simulate", "--window-geometry", "0", "0", "1280", "800"]
     script = ["--python-exit-code", "1", "--python", str(HERE / "harness.py"), "--", str(file)]
-    code, output = run(place, work, [*screen, *window, *script], TIMEOUT)
+    code, output = run(work, [*screen, *window, *script], TIMEOUT)
     closing = re.search(r"^(\d+) passed, (\d+) failed$", output, re.MULTILINE)
     passed, failed = (int(closing[1]), int(closing[2])) if closing else (0, 0)
     if re.search(r"^Traceback|Error: Python: Traceback", output, re.MULTILINE):
@@ -106,9 +83,9 @@ def show(output: str, *, everything: bool) -> None:
             print(line, flush=True)
 
 
-def runner_notices_failures(place: Place, work: Path) -> bool:
+def runner_notices_failures(blender: str, work: Path) -> bool:
     """A file with a failing test must be reported as failed; else no other result here means anything."""
-    passed, failed, output = run_file(place, work, HERE / "broken" / "broken.py")
+    passed, failed, output = run_file(blender, work, HERE / "broken" / "broken.py")
     noticed = passed == 2 and failed == 2
     print(f"{'PASS' if noticed else 'FAIL'} run.py: failing tests and printed errors are noticed")
     if not noticed:
@@ -123,35 +100,24 @@ def default_extension() -> Path:
     return found[-1]
 
 
-@contextlib.contextmanager
-def work_folder() -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix="planar-window-") as name:
-        yield Path(name)
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description="Window tests of Planar Deform.")
-    where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--blender", help="a Blender 4.2 or newer on this machine")
-    where.add_argument("--room", help="the name of a Debian room that tools/ prepared: trixie or sid")
+    parser.add_argument("--blender", required=True, help="a Blender 4.2 or newer")
     parser.add_argument("--extension", type=Path, help="the zip to install (default: the newest in dist/)")
     parser.add_argument("--verbose", action="store_true", help="print all that Blender prints")
     parser.add_argument("files", nargs="*", type=Path, help="test files (default: all)")
     options = parser.parse_args()
 
-    room = ROOMS / options.room if options.room else None
-    if room is not None and not (room / "usr/bin/blender").exists():
-        raise SystemExit(f"There is no Blender in {room}: run 'make matrix', which prepares the rooms.")
-    place = Place(options.blender or "/usr/bin/blender", room)
     files = [file.resolve() for file in options.files] or sorted(HERE.glob("test_*.py"))
     passed = failed = 0
-    with work_folder() as work:
-        install(place, work, (options.extension or default_extension()).resolve())
+    with tempfile.TemporaryDirectory(prefix="planar-window-") as name:
+        work = Path(name)
+        install(options.blender, work, (options.extension or default_extension()).resolve())
         if not options.files:
-            noticed = runner_notices_failures(place, work)
+            noticed = runner_notices_failures(options.blender, work)
             passed, failed = int(noticed), int(not noticed)
         for file in files:
-            file_passed, file_failed, output = run_file(place, work, file)
+            file_passed, file_failed, output = run_file(options.blender, work, file)
             show(output, everything=options.verbose or file_failed > 0)
             passed += file_passed
             failed += file_failed
