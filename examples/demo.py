@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws two characters, puts them into Blender, pins and poses them with the add-on's operators, and renders them.
+
+Run by `make demo`. Writes out/demo.blend and out/contact_sheet.png; with --pictures FOLDER also the docs' pictures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "addon"))
+
+import planar_deform  # noqa: E402
+import planar_native  # noqa: E402
+
+import contact_sheet  # noqa: E402
+import cutout  # noqa: E402
+import dragon  # noqa: E402
+import fox  # noqa: E402
+import puppet  # noqa: E402
+from contact_sheet import View  # noqa: E402
+from drawing import Layer  # noqa: E402
+
+
+@dataclass(frozen=True)
+class Character:
+    """A cutout of the demo: its drawing, pins and poses, where it stands, and how its cells look."""
+
+    name: str
+    layers: Sequence[Layer]
+    pins: Sequence[puppet.PinPlan]
+    poses: Sequence[puppet.Pose]
+    spacing: float  # the mesh's edge length
+    x: float
+    view: View  # relative to where it stands
+    ground: tuple[int, int, int]
+    columns: int
+
+
+def characters() -> list[Character]:
+    """The cast of the demo."""
+    return [
+        Character("Lantern Fox", fox.layers(), fox.PINS, fox.POSES, 0.052, 0.0,
+                  View.around(-0.15, -0.35, 5.6, 420, 560), (205, 228, 224), 4),
+        Character("River Dragon", dragon.layers(), dragon.PINS, dragon.POSES, 0.060, 8.0,
+                  View.around(0.0, -0.45, 5.0, 858, 430), (248, 222, 196), 2),
+    ]  # fmt: skip
+
+
+def main() -> None:
+    """Runs the demo."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--pictures", type=Path, help="also write the docs' pictures into this folder")
+    arguments = parser.parse_args()
+    start = time.perf_counter()
+    out = ROOT / "out"
+    out.mkdir(exist_ok=True)
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    planar_deform.register()
+    info = planar_native.build_info()
+    print(f"Blender {bpy.app.version_string}, planar_native {info['version']} with {info['backend']}")
+    contact_sheet.prepare_scene(bpy.context.scene)
+
+    rows: list[list[tuple[str, str, Image.Image]]] = []
+    for character in characters():
+        cells = perform(character)
+        rows += [cells[i : i + character.columns] for i in range(0, len(cells), character.columns)]
+    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins (AKVF)", rows)
+    sheet.save(out / "contact_sheet.png", optimize=True)
+    show_front_view()
+    bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
+    if arguments.pictures:
+        save_pictures(arguments.pictures, sheet, rows)
+    planar_deform.unregister()
+    print(f"Wrote out/demo.blend and out/contact_sheet.png; {time.perf_counter() - start:.1f} s in all")
+
+
+def perform(character: Character) -> list[tuple[str, str, Image.Image]]:
+    """Builds, pins and poses a character; prints the figures; returns its cells (label, note, picture)."""
+    start = time.perf_counter()
+    obj = cutout.build(character.name, character.layers, character.spacing, pixels_per_unit=200)
+    obj.location.x = character.x
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    obj.shape_key_add(name="Basis")
+    puppet.add_pins(obj, character.layers, character.pins)
+    triangles = np.array([tuple(face.vertices) for face in obj.data.polygons])
+    rest = puppet.shown_points(obj)
+    parts = "1 layer" if len(character.layers) == 1 else f"{len(character.layers)} layers"
+    size = f"{len(rest)} vertices, {parts}, {len(obj.planar.pins)} pins"
+    print(f"{character.name}: {size}, drawn and pinned in {time.perf_counter() - start:.1f} s")
+
+    cells = [("Rest", size, picture(character, obj, with_mesh=True))]
+    for pose in character.poses:
+        calls = puppet.strike(obj, character.pins, pose)
+        posed = puppet.shown_points(obj)
+        measure = planar_native.distortion(rest, posed, triangles)
+        milliseconds = 1000 * np.median(calls)
+        print(
+            f"  {pose.name}: {len(calls)} drags and turns, {milliseconds:.1f} ms each (median), "
+            f"distortion area {measure.area:.3f} angle {measure.angle:.3f} (2 is none), {measure.flipped} flipped"
+        )
+        note = f"{len(calls)} drags, {milliseconds:.0f} ms each"
+        cells.append((pose.name, note, picture(character, obj)))
+    obj.select_set(False)
+    return cells
+
+
+def picture(character: Character, obj: bpy.types.Object, with_mesh: bool = False) -> Image.Image:
+    """The character as it stands now, with its pins, in its cell."""
+    view, ground = character.view, character.ground
+    shown = View(view.left + character.x, view.bottom, view.unit, view.width, view.height)
+    rendered = contact_sheet.render(bpy.context.scene, shown)
+    edges = np.array([edge.vertices[:] for edge in obj.data.edges]) if with_mesh else None
+    patches = {pin.group for pin in obj.planar.pins if pin.kind == "PATCH"}
+    return contact_sheet.cell(rendered, view, puppet.shown_points(obj), puppet.pin_points(obj), patches, ground, edges)
+
+
+def show_front_view() -> None:
+    """Makes the saved file open on the characters from the front, their drawing shown, the fox active."""
+    objects = [obj for obj in bpy.data.objects if obj.type == "MESH"]
+    for obj in objects:
+        obj.select_set(obj == objects[0])
+    bpy.context.view_layer.objects.active = objects[0]
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            if area.type == "VIEW_3D":
+                space = area.spaces.active
+                space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "FLAT", "TEXTURE"
+                space.overlay.show_cursor = False
+                region = space.region_3d
+                region.view_rotation = bpy.context.scene.camera.rotation_euler.to_quaternion()
+                region.view_perspective = "ORTHO"
+                region.view_location = (4.2, 0.0, 2.1)
+                region.view_distance = 14.0
+
+
+def save_pictures(folder: Path, sheet: Image.Image, rows: list[list[tuple[str, str, Image.Image]]]) -> None:
+    """The README's and docs' pictures, small: the sheet, and every cell by its label."""
+    folder.mkdir(parents=True, exist_ok=True)
+    pictures = {"contact_sheet": sheet}
+    pictures |= {label.lower().replace(" ", "_"): image for row in rows for label, _, image in row}
+    for name, image in pictures.items():
+        image.quantize(192, dither=Image.Dither.FLOYDSTEINBERG).save(folder / f"{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()
