@@ -5,6 +5,7 @@ A test is a generator function `test_...(window)`: it simulates events, and each
 redraw. Every test starts from the factory scene without its objects, with the add-on enabled.
 """
 
+import ctypes
 import importlib.util
 import inspect
 import os
@@ -188,6 +189,13 @@ def steps(path: Path, window: Window, results: list[bool]) -> Iterator[None]:
             yield from window.wait(0.2)
 
 
+def leave(code: int) -> None:
+    """End Blender with an exit code; what it printed itself is still in C's buffers."""
+    sys.stderr.flush()
+    ctypes.CDLL(None).fflush(None)
+    os._exit(code)
+
+
 def main() -> None:
     path = Path(sys.argv[sys.argv.index("--") + 1])
     preferences = bpy.context.preferences
@@ -202,11 +210,10 @@ def main() -> None:
             next(running)
         except StopIteration:
             print(f"{results.count(True)} passed, {results.count(False)} failed", flush=True)
-            os._exit(0 if results and all(results) else 1)
+            leave(0 if results and all(results) else 1)
         except BaseException:
             traceback.print_exc()
-            sys.stdout.flush()
-            os._exit(1)
+            leave(1)
         return 0.01
 
     bpy.app.timers.register(tick, first_interval=0.5, persistent=True)

@@ -22,4 +22,4 @@ def test_prints_an_error(window: Window) -> Iterator[None]:
         raise RuntimeError("this error is printed on purpose")
 
     bpy.app.timers.register(broken_timer)
-    yield from window.wait(0.1)
+    yield from window.wait(0.5)
