@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A flat mesh as the solver sees it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .frame import Array, Indices
+
+
+@dataclass(frozen=True)
+class Cutout:
+    """Rest positions and triangles of the vertices that belong to a face."""
+
+    rest: Array  # n x 2, world lengths
+    triangles: Indices  # m x 3, counter-clockwise in rest
+    parts: Indices  # n, the connected part of each vertex, counted from 0
+    diagonal: float  # of the rest shape's bounding box
+
+
+def make_cutout(rest: Array, triangles: Indices, parts: Indices) -> Cutout:
+    """A cutout of n x 2 rest positions; clockwise triangles are turned (for the solve only)."""
+    return Cutout(rest, oriented(rest, triangles), parts, diagonal_of(rest))
+
+
+def diagonal_of(points: Array) -> float:
+    """Length of the diagonal of the bounding box of k x d points; 0 for none."""
+    return float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+
+
+def signed_areas(points: Array, triangles: Indices) -> Array:
+    """Signed area (m,) of each triangle on n x 2 points, positive when counter-clockwise."""
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    ab, ac = b - a, c - a
+    return 0.5 * (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
+
+
+def oriented(rest: Array, triangles: Indices) -> Indices:
+    """The triangles with two corners swapped where they are clockwise in rest."""
+    result = triangles.copy()
+    clockwise = signed_areas(rest, triangles) < 0.0
+    result[clockwise] = result[clockwise][:, [0, 2, 1]]
+    return result
+
+
+def connected_parts(count: int, triangles: Indices) -> Indices:
+    """The connected part of each of `count` vertices, counted from 0 in order of their first vertex.
+
+    Each round hooks every edge's larger root below the smaller one and flattens the trees, which takes
+    O(log n) rounds of whole-array operations in practice.
+    """
+    root = np.arange(count, dtype=np.int32)
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]]])
+    while True:
+        ends = root[edges]
+        low, high = ends.min(axis=1), ends.max(axis=1)
+        if np.array_equal(low, high):
+            break
+        np.minimum.at(root, high, low)
+        while not np.array_equal(root[root], root):
+            root = root[root]
+    return np.unique(root, return_inverse=True)[1].astype(np.int32)

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solvers kept between actions. May be dropped at any moment: everything that lasts is in the .blend."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import native
+from .cutout import Cutout
+from .frame import Array
+
+CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
+
+
+@dataclass
+class _Entry:
+    cutout: Cutout
+    options: tuple[str, float]
+    poser: native.Poser
+
+
+_entries: OrderedDict[int, _Entry] = OrderedDict()
+
+
+def poser_for(key: int, cutout: Cutout, method: str, pin_weight: float, positions: Array) -> native.Poser:
+    """A solver for the object with this key, standing at n x 2 `positions`.
+
+    A kept one is used only when triangles, rest shape and options are the same to the bit. It is always
+    reset, so that an action gives the same bits whether or not the solver was there before.
+    """
+    options = (method, pin_weight)
+    entry = _entries.get(key)
+    if entry is None or entry.options != options or not _same(entry.cutout, cutout):
+        poser = native.Poser(cutout.rest, cutout.triangles, method=method, pin_weight=pin_weight)
+        entry = _entries[key] = _Entry(cutout, options, poser)
+    _entries.move_to_end(key)
+    while len(_entries) > CAPACITY:
+        _entries.popitem(last=False)
+    entry.poser.reset(positions)
+    return entry.poser
+
+
+def clear() -> None:
+    """Drop every solver."""
+    _entries.clear()
+
+
+def _same(a: Cutout, b: Cutout) -> bool:
+    return np.array_equal(a.triangles, b.triangles) and np.array_equal(a.rest, b.rest)

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The compiled solvers: the one place that imports them."""
+
+from __future__ import annotations
+
+try:
+    import planar_native
+except ImportError as error:
+    raise ImportError(
+        "Planar Deform's compiled module cannot be loaded on this platform or Python version: "
+        "install the extension file made for this system"
+    ) from error
+
+NEEDED = (0, 1)  # the interface this package was written for: major and minor version
+_found = planar_native.build_info()["version"]
+if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
+    needed = ".".join(map(str, NEEDED))
+    raise ImportError(
+        f"Planar Deform needs version {needed} of its compiled module and found {_found}: "
+        "remove other copies of the extension, install it again and restart Blender"
+    )
+
+Poser = planar_native.Poser
+SolveError = planar_native.SolveError
+distortion = planar_native.distortion

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adding, selecting and removing pins."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
+
+from ..scene import pins
+from ..scene.access import Refusal, begin, pose_refusal
+from ..scene.properties import KINDS
+
+# Farther than this share of the diagonal from the mesh, a place is not on it.
+ON_MESH = 0.01
+
+
+class PinOperator:
+    """Works on a mesh that can be posed; every refusal is a report, and changes nothing."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        reason = pose_refusal(context.object)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        try:
+            self.apply(context)
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
+    bl_idname = "planar.add_pin"
+    bl_label = "Add Pin"
+    bl_description = "Add a point pin at a place on the mesh"
+
+    location: FloatVectorProperty(
+        name="Location", description="World position of the pin", subtype="TRANSLATION", unit="LENGTH"
+    )
+    extend: BoolProperty(
+        name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
+    )
+
+    def apply(self, context):
+        obj = context.object
+        scene = begin(context)
+        point = scene.nearest(np.array(self.location, dtype=np.float64))
+        if point.distance > ON_MESH * scene.cutout.diagonal:
+            raise Refusal("No mesh there: add the pin at a point of the drawing")
+        pin = pins.add_at(obj, scene, point)
+        if not self.extend:
+            _select(obj, [])
+        pin.select = True
+
+
+class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
+    bl_idname = "planar.add_pins_from_selected"
+    bl_label = "Add Pins from Selected"
+    bl_description = (
+        "Add pins on the vertices selected in Edit Mode: a point pin on each, or one patch pin on all"
+    )
+
+    kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
+
+    def apply(self, context):
+        obj = context.object
+        scene = begin(context)
+        selected = np.empty(len(obj.data.vertices), bool)
+        obj.data.vertices.foreach_get("select", selected)
+        on_faces = scene.vertex_indices[selected[scene.vertex_indices]].tolist()
+        if not on_faces:
+            raise Refusal("No vertices of faces are selected: select some in Edit Mode first")
+        new = [on_faces] if self.kind == "PATCH" else [[vertex] for vertex in on_faces]
+        first = len(obj.planar.pins)
+        for vertices in new:
+            pins.add_on_vertices(obj, vertices, self.kind)
+        _select(obj, range(first, len(obj.planar.pins)))
+
+
+class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
+    bl_idname = "planar.add_pin_from_group"
+    bl_label = "Add Pin from Vertex Group"
+    bl_description = "Add a pin on a vertex group, the active one unless another is named"
+
+    group: StringProperty(name="Vertex Group", description="Group to pin; empty for the active one")
+    kind: EnumProperty(name="Kind", description="Kind of the new pin", items=KINDS)
+
+    def apply(self, context):
+        obj = context.object
+        begin(context)
+        group = obj.vertex_groups.get(self.group) if self.group else obj.vertex_groups.active
+        if group is None:
+            wanted = f"No vertex group '{self.group}'" if self.group else "No active vertex group"
+            raise Refusal(f"{wanted}: make one in the Vertex Groups panel")
+        if any(pin.group == group.name for pin in obj.planar.pins):
+            raise Refusal(f"Vertex group '{group.name}' has a pin already: choose another group")
+        pins.add_on_group(obj, group, self.kind)
+        _select(obj, [len(obj.planar.pins) - 1])
+
+
+class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
+    bl_idname = "planar.add_pins_from_all_groups"
+    bl_label = "Add Pins from All Groups"
+    bl_description = "Add a pin on every vertex group that has none"
+
+    kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
+
+    def apply(self, context):
+        obj = context.object
+        begin(context)
+        pins.sync(obj)
+        taken = {pin.group for pin in obj.planar.pins}
+        new = [group for group in obj.vertex_groups if group.name not in taken]
+        if not new:
+            raise Refusal("Every vertex group has a pin already: add groups in the Vertex Groups panel first")
+        first = len(obj.planar.pins)
+        for group in new:
+            pins.add_on_group(obj, group, self.kind)
+        _select(obj, range(first, len(obj.planar.pins)))
+
+
+class PinListOperator:
+    """Works on the pin list alone, of a mesh that may not be fit for posing at the moment."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.object
+        reason = None
+        if obj is None or obj.type != "MESH" or not obj.planar.pins:
+            reason = "No pins: add some first"
+        elif (
+            obj.library is not None
+            or obj.data.library is not None
+            or obj.override_library is not None
+            or obj.mode != "OBJECT"
+        ):
+            reason = pose_refusal(obj)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+
+class PLANAR_OT_remove_pins(PinListOperator, bpy.types.Operator):
+    bl_idname = "planar.remove_pins"
+    bl_label = "Remove Pins"
+    bl_description = "Remove the selected pins; the drawing stays as it is"
+
+    def execute(self, context):
+        obj = context.object
+        selected = [index for index, pin in enumerate(obj.planar.pins) if pin.select]
+        if not selected:
+            self.report({"WARNING"}, "No pins are selected: click one first")
+            return {"CANCELLED"}
+        pins.remove(obj, selected)
+        return {"FINISHED"}
+
+
+class PLANAR_OT_select_pins(PinListOperator, bpy.types.Operator):
+    bl_idname = "planar.select_pins"
+    bl_label = "Select Pins"
+    bl_description = "Select or deselect pins"
+
+    action: EnumProperty(
+        name="Action",
+        description="What to do with the selection",
+        items=(
+            ("SELECT", "Select", "Select one pin"),
+            ("DESELECT", "Deselect", "Deselect one pin"),
+            ("TOGGLE", "Toggle", "Select one pin, or deselect it if it is selected"),
+            ("ALL", "All", "Select all pins"),
+            ("NONE", "None", "Deselect all pins"),
+            ("INVERT", "Invert", "Select those that are not selected"),
+        ),
+    )
+    pin: IntProperty(
+        name="Pin", description="Index of the one pin; the active one if negative", default=-1, min=-1
+    )
+    extend: BoolProperty(name="Extend", description="Keep the other pins as they are", default=False)
+
+    def execute(self, context):
+        settings = context.object.planar
+        every = range(len(settings.pins))
+        selected = {index for index in every if settings.pins[index].select}
+        if self.action in {"ALL", "NONE", "INVERT"}:
+            wanted = {"ALL": set(every), "NONE": set(), "INVERT": set(every) - selected}[self.action]
+        else:
+            one = settings.active_pin if self.pin < 0 else self.pin
+            if one >= len(settings.pins):
+                self.report({"ERROR"}, f"There is no pin {one}: the object has {len(settings.pins)}")
+                return {"CANCELLED"}
+            on = self.action == "SELECT" or (self.action == "TOGGLE" and one not in selected)
+            wanted = (selected if self.extend else set()) - {one} | ({one} if on else set())
+            settings.active_pin = one
+        _select(context.object, wanted)
+        return {"FINISHED"}
+
+
+class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
+    bl_idname = "planar.set_pin_kind"
+    bl_label = "Set Pin Kind"
+    bl_description = "Make the selected pins point or patch pins"
+
+    kind: EnumProperty(name="Kind", description="How the pins hold the drawing", items=KINDS)
+
+    def execute(self, context):
+        changed = [pin for pin in context.object.planar.pins if pin.select and pin.kind != self.kind]
+        if not changed:
+            self.report({"WARNING"}, "No selected pin is of another kind: select some first")
+            return {"CANCELLED"}
+        for pin in changed:
+            pin.kind = self.kind
+            # Where it is held from now on is where it is: a patch's angle is fitted at the next action.
+            pin.has_target = False
+            pin.angle = 0.0
+        return {"FINISHED"}
+
+
+def _select(obj, wanted):
+    wanted = set(wanted)
+    for index, pin in enumerate(obj.planar.pins):
+        pin.select = index in wanted
+
+
+CLASSES = (
+    PLANAR_OT_add_pin,
+    PLANAR_OT_add_pins_from_selected,
+    PLANAR_OT_add_pin_from_group,
+    PLANAR_OT_add_pins_from_all_groups,
+    PLANAR_OT_remove_pins,
+    PLANAR_OT_select_pins,
+    PLANAR_OT_set_pin_kind,
+)

@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a Blender object to a cutout the model can pose, and back."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..model.cutout import Cutout, connected_parts, diagonal_of, make_cutout, signed_areas
+from ..model.frame import Array, Indices, PlaneFrame, plane_frame
+from ..model.locate import MeshPoint, nearest_point
+from ..model.rest import completed, copied_along_edges, copied_parts, fitted
+from . import rest as rest_store
+from . import shape_keys, triangulation
+from .errors import ObjectGone, Refusal
+
+FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
+EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
+SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
+
+__all__ = ["ObjectGone", "Refusal", "SceneCutout", "begin", "pose_refusal", "read_cutout"]
+
+
+def pose_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why this object cannot be posed, and what to do about it; None if nothing speaks against it.
+
+    Cheap enough for polls; read_cutout() finds the rest.
+    """
+    if obj is None:
+        return "No active object: select a flat mesh"
+    if obj.type != "MESH":
+        return f"'{obj.name}' is not a mesh: convert it with Object > Convert > Mesh"
+    mesh = obj.data
+    if obj.library is not None or mesh.library is not None:
+        return f"'{obj.name}' is linked from a library: make it local with Object > Relations > Make Local"
+    if obj.override_library is not None or mesh.override_library is not None:
+        return f"'{obj.name}' is a library override: make it local with Object > Relations > Make Local"
+    if obj.mode != "OBJECT":
+        return "Posing works in Object Mode: leave the current mode first"
+    if mesh.users - mesh.use_fake_user > 1:
+        return "The mesh is shared: make it single-user with Object > Relations > Make Single User"
+    if not mesh.polygons:
+        return f"'{obj.name}' has no faces: a cutout needs some"
+    return shape_keys.refusal(obj)
+
+
+def begin(context: bpy.types.Context) -> SceneCutout:
+    """The active object read at the start of an action, its transforms up to date. Raises Refusal."""
+    context.view_layer.update()
+    return read_cutout(context.object)
+
+
+def read_cutout(obj: bpy.types.Object | None) -> SceneCutout:
+    """The object's cutout, standing in the shape it shows. Raises Refusal; changes nothing."""
+    reason = pose_refusal(obj)
+    if reason is not None:
+        raise Refusal(reason)
+    assert obj is not None
+    return SceneCutout(obj)
+
+
+class SceneCutout:
+    """A mesh object as a cutout. Indices are those of the cutout: vertices of faces, in the mesh's order.
+
+    Holds no reference to Blender's data, which dies with every undo: each method finds the object again by
+    name and identity, and raises ObjectGone where it or its mesh is another one by now.
+    """
+
+    cutout: Cutout
+    positions: Array  # n x 2, the shape shown
+    frame: PlaneFrame  # of the shape shown, in world-linear space
+    vertex_indices: Indices  # n, of each cutout vertex in the mesh
+
+    def __init__(self, obj: bpy.types.Object):
+        mesh = obj.data
+        self.object_name, self.session_uid = obj.name, obj.session_uid
+        self._mesh_uid, self._count = mesh.session_uid, len(mesh.vertices)
+        self._linear = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
+        self._origin = np.array(obj.matrix_world.translation, dtype=np.float64)
+        stretches = np.linalg.svd(self._linear, compute_uv=False)
+        if not stretches[-1] > 1e-6 * stretches[0]:
+            raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
+        self._inverse = np.linalg.inv(self._linear)
+
+        self._begin_key = None
+        if mesh.shape_keys is None:
+            self._begin = shape_keys.read_points(mesh.vertices, self._count)
+            shown = self._begin.astype(np.float64)
+            share = np.ones((self._count, 1))
+        else:
+            key = shape_keys.posed_key(obj)
+            self._begin_key = None if key is None else key.name
+            target = mesh.shape_keys.reference_key if key is None else key
+            self._begin = shape_keys.read_points(target.data, self._count)
+            shown = shape_keys.shown_points(obj)
+            share = shape_keys.share_of_posed_key(obj)
+        self._has_keys = mesh.shape_keys is not None
+        self._added_key: str | None = None
+
+        stored, owners = rest_store.read(obj)
+        triangles = triangulation.triangles_of(mesh, stored)
+        self.vertex_indices, compact = np.unique(triangles, return_inverse=True)
+        triangles = compact.reshape(-1, 3).astype(np.int32)
+        used = self.vertex_indices
+        if not np.isfinite(shown[used]).all():
+            raise Refusal(f"'{obj.name}' has vertices with coordinates that are not numbers: delete them")
+        shape_keys.check_share(obj, share[used])
+        self._share = share[used]
+
+        shown = shown[used]
+        world = shown @ self._linear.T
+        parts = connected_parts(len(used), triangles)
+        self.frame = _flat_frame(shown, world, triangles, parts, self._linear, "Its faces do")
+        self.positions = self.frame.flatten(world)
+        self._depths = _part_means(self.frame.depth(world), parts)
+        self._rest_before, self._rest_after = (stored, owners), None
+        rest = self._rest_positions(stored, owners, shown, triangles, parts)
+        self.cutout = make_cutout(rest, triangles, parts)
+
+    # -- reading
+    # ----------------------------------------
+
+    def to_world(self, points: Array, parts: Indices | None = None) -> Array:
+        """World positions k x 3 of k x 2 points of the plane, as deep as their parts (k,), else the first."""
+        depths = self._depths[np.zeros(len(points), np.int32) if parts is None else parts]
+        return self.frame.lift(points) + np.outer(depths, self.frame.n) + self._origin
+
+    def to_local(self, points: Array, parts: Indices | None = None) -> Array:
+        """Object-local positions k x 3 of k x 2 points of the plane."""
+        return (self.to_world(points, parts) - self._origin) @ self._inverse.T
+
+    def from_local(self, points: Array) -> Array:
+        """Plane coordinates k x 2 of k x 3 object-local points."""
+        return self.frame.flatten(points @ self._linear.T)
+
+    def from_world(self, points: Array) -> Array:
+        """Plane coordinates k x 2 of k x 3 world points."""
+        return self.frame.flatten(points - self._origin)
+
+    def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
+        """Where a world ray meets the plane of a part (2,); None in an edge-on view (within 5 degrees)."""
+        slope = float(direction @ self.frame.n)
+        if abs(slope) < EDGE_ON * float(np.linalg.norm(direction)):
+            return None
+        distance = (self._depths[part] - float((origin - self._origin) @ self.frame.n)) / slope
+        return self.from_world((origin + distance * direction)[None, :])[0]
+
+    def pick(self, origin: Array, direction: Array) -> MeshPoint | None:
+        """The point of the shown mesh that a world ray meets first; None where it misses or is edge-on."""
+        slope = float(direction @ self.frame.n)
+        part_of = self.cutout.parts[self.cutout.triangles[:, 0]]
+        for part in np.argsort((self._depths - float((origin - self._origin) @ self.frame.n)) * slope):
+            place = self.plane_from_ray(origin, direction, int(part))
+            if place is None:
+                return None
+            among = np.flatnonzero(part_of == part).astype(np.int32)
+            found = nearest_point(self.positions, self.cutout.triangles, place, among)
+            if found is not None and found.distance == 0.0:
+                return found
+        return None
+
+    def nearest(self, place: Array) -> MeshPoint:
+        """The point of the shown mesh nearest to a world position (3,), its distance in world units."""
+        flat = self.from_world(place[None, :])[0]
+        depths = np.abs(self._depths - float((place - self._origin) @ self.frame.n))
+        part_of = self.cutout.parts[self.cutout.triangles[:, 0]]
+        best: MeshPoint | None = None
+        for part in range(len(depths)):
+            among = np.flatnonzero(part_of == part).astype(np.int32)
+            found = nearest_point(self.positions, self.cutout.triangles, flat, among)
+            assert found is not None  # each part has triangles
+            distance = float(np.hypot(found.distance, depths[part]))
+            if best is None or distance < best.distance:
+                best = MeshPoint(found.triangle, found.weights, distance)
+        assert best is not None
+        return best
+
+    # -- writing
+    # ----------------------------------------
+
+    def write(self, positions: Array) -> None:
+        """Show n x 2 positions: in the mesh, or through the posed shape key (made if the Basis is active).
+
+        A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
+        """
+        moved = np.flatnonzero(np.any(positions != self.positions, axis=1))
+        offsets = (
+            self.frame.lift(positions[moved] - self.positions[moved]) @ self._inverse.T / self._share[moved]
+        )
+        rows = self.vertex_indices[moved]
+        coordinates = self._begin.copy()
+        coordinates[rows] = self._begin[rows] + offsets  # float64 until it is stored
+        self._store(coordinates)
+
+    def write_rest(self) -> None:
+        """Take the pose away, to the bit: the mesh, or the posed key's own difference, goes back to rest."""
+        obj = self._resolve()
+        coordinates = self._begin.copy()
+        if not self._has_keys:
+            rest = rest_store.read(obj)[0] if self._rest_after is None else self._rest_after
+            coordinates[self.vertex_indices] = rest[self.vertex_indices]
+        elif self._begin_key is not None:
+            under = shape_keys.read_points(shape_keys.under_posed_key(obj).data, self._count)
+            coordinates[self.vertex_indices] = under[self.vertex_indices]
+        else:
+            return  # the Basis is the rest
+        self._store(coordinates)
+
+    def restore(self) -> None:
+        """Put everything back as it was when this was read, to the bit."""
+        obj = self._resolve()
+        if self._added_key is not None:
+            index = list(obj.data.shape_keys.key_blocks).index(obj.data.shape_keys.reference_key)
+            obj.shape_key_remove(obj.data.shape_keys.key_blocks[self._added_key])
+            obj.active_shape_key_index = index
+            self._added_key = None
+            obj.data.update()
+        else:
+            self._points(obj).foreach_set("co", self._begin.ravel())
+            obj.data.update()
+        if self._rest_after is not None:
+            rest_store.write(obj.data, *self._rest_before)
+
+    def _store(self, coordinates: np.ndarray) -> None:
+        obj = self._resolve()
+        if self._has_keys and self._begin_key is None and self._added_key is None:
+            self._added_key = shape_keys.add_pose_key(obj).name
+        if self._rest_after is not None:
+            rest_store.write(obj.data, self._rest_after)
+        self._points(obj).foreach_set("co", coordinates.ravel())
+        obj.data.update()
+
+    def _points(self, obj: bpy.types.Object) -> bpy.types.bpy_prop_collection:
+        if not self._has_keys:
+            return obj.data.vertices
+        key = obj.data.shape_keys.key_blocks.get(self._added_key or self._begin_key)
+        if key is None:
+            raise ObjectGone("The shape key that was posed is gone")
+        return key.data
+
+    def _resolve(self) -> bpy.types.Object:
+        obj = bpy.data.objects.get(self.object_name)
+        if obj is None or obj.session_uid != self.session_uid:
+            raise ObjectGone(f"'{self.object_name}' is gone")
+        mesh = obj.data
+        if mesh.session_uid != self._mesh_uid or len(mesh.vertices) != self._count or obj.mode != "OBJECT":
+            raise ObjectGone(f"The mesh of '{self.object_name}' has changed")
+        if (mesh.shape_keys is not None) != self._has_keys:
+            raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
+        return obj
+
+    # -- rest
+    # ------------------------------------------------------------
+
+    def _rest_positions(
+        self, stored: np.ndarray, owners: np.ndarray | None, shown: Array, triangles: Indices, parts: Indices
+    ) -> Array:
+        """The rest shape n x 2; completed where edits left vertices without one, and kept for writing."""
+        used = self.vertex_indices
+        rest32 = stored[used]
+        rest = rest32.astype(np.float64)
+        known = np.isfinite(rest).all(axis=1)
+        if not self._has_keys:
+            known &= ~copied_along_edges(rest32, shown, triangles, SAME_PLACE * diagonal_of(shown))
+            if owners is not None:
+                self._take_in_parts(rest, owners[used], shown, parts, known)
+        changed = not known.all() or not np.array_equal(rest, rest32)
+        if not known.any():
+            rest, known = shown.copy(), np.ones(len(used), bool)
+        world = rest @ self._linear.T
+        frame = _flat_frame(rest, world, triangles, parts, self._linear, "Its rest shape does", known)
+        flat = frame.flatten(world)
+        # Rest and pose are seen from the same side, however the mesh has been turned over in between.
+        whole = known[triangles].all(axis=1)
+        sides = signed_areas(flat, triangles[whole]) @ np.sign(signed_areas(self.positions, triangles[whole]))
+        if sides < 0.0:
+            frame = frame.mirrored()
+            flat = frame.flatten(world)
+        if not known.all():
+            depths = frame.depth(world)
+            flat = completed(np.where(known[:, None], flat, 0.0), self.positions, triangles, known)
+            counts = np.bincount(parts, weights=known)
+            sums = np.bincount(parts[known], weights=depths[known], minlength=len(counts))
+            depth = np.where(counts > 0, sums / np.maximum(counts, 1), self._depths)[parts]
+            placed = (frame.lift(flat) + np.outer(depth, frame.n)) @ self._inverse.T
+            rest[~known] = placed[~known]
+        if changed and not self._has_keys:
+            self._rest_after = stored.copy()
+            self._rest_after[used] = rest
+        return flat
+
+    def _take_in_parts(
+        self, rest: Array, owners: np.ndarray, shown: Array, parts: Indices, known: np.ndarray
+    ) -> None:
+        """Bring the rest of joined and duplicated parts to where they are; what has no owner is not known."""
+        known &= owners != 0
+        owned = np.flatnonzero(owners)
+        if not len(owned):
+            return
+        foreign = np.unique(parts[(owners != owners[owned[0]]) & known])
+        copies = copied_parts(rest, parts)
+        for part in {*foreign.tolist(), *copies}:
+            rows = np.flatnonzero((parts == part) & known)
+            if len(rows) >= 3:
+                rest[rows] = fitted(rest[rows], shown[rows], scaled=part in foreign)
+            else:
+                known[rows] = False
+
+
+def _flat_frame(
+    points: Array,
+    world: Array,
+    triangles: Indices,
+    parts: Indices,
+    linear: Array,
+    subject: str,
+    known: np.ndarray | None = None,
+) -> PlaneFrame:
+    """The frame of points whose parts lie in parallel planes. Raises Refusal where they do not."""
+    if known is None:
+        known = np.ones(len(points), bool)
+    chosen = triangles[known[triangles].all(axis=1)]
+    frame = plane_frame(points, chosen, linear)
+    if frame is None:
+        raise Refusal(f"{subject} not cover any area: give the drawing some, or use Set Rest to Current")
+    depths = frame.depth(world)[known]
+    low = np.full(int(parts.max()) + 1, np.inf)
+    high = -low
+    np.minimum.at(low, parts[known], depths)
+    np.maximum.at(high, parts[known], depths)
+    if np.max(high - low) > FLATNESS * diagonal_of(world[known]):
+        raise Refusal(
+            f"{subject} not lie in parallel planes: flatten the mesh (scale it to 0 along its normal), "
+            "then use Set Rest to Current"
+        )
+    return frame
+
+
+def _part_means(values: Array, parts: Indices) -> Array:
+    return np.asarray(np.bincount(parts, weights=values) / np.bincount(parts), dtype=np.float64)

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keeps pins matched to the vertex groups while the user renames, removes or edits things."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..model import solver_cache
+from .pins import sync
+
+CLASSES = ()
+
+
+@persistent
+def follow_edits(scene, depsgraph):
+    """After each update: pins follow the groups of their object, and an edit ends a measured distortion."""
+    for update in depsgraph.updates:
+        obj = update.id.original
+        if not isinstance(obj, bpy.types.Object) or obj.type != "MESH" or not obj.planar.pins:
+            continue
+        if obj.library is None and obj.mode == "OBJECT":
+            sync(obj)
+        elif update.is_updated_geometry and obj.planar.flipped >= 0:
+            obj.planar.flipped = -1
+
+
+@persistent
+def forget_solvers(*_):
+    """Another file: its objects are others, whatever their identities."""
+    solver_cache.clear()
+
+
+def register():
+    bpy.app.handlers.depsgraph_update_post.append(follow_edits)
+    bpy.app.handlers.load_pre.append(forget_solvers)
+
+
+def unregister():
+    bpy.app.handlers.depsgraph_update_post.remove(follow_edits)
+    bpy.app.handlers.load_pre.remove(forget_solvers)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What modifiers do to the view of a cutout that is posed in its original coordinates."""
+
+from __future__ import annotations
+
+import bpy
+
+DEFORMING = frozenset(
+    [
+        "ARMATURE",
+        "CAST",
+        "CLOTH",
+        "CORRECTIVE_SMOOTH",
+        "CURVE",
+        "DISPLACE",
+        "HOOK",
+        "LAPLACIANDEFORM",
+        "LAPLACIANSMOOTH",
+        "LATTICE",
+        "MESH_CACHE",
+        "MESH_DEFORM",
+        "MESH_SEQUENCE_CACHE",
+        "NODES",
+        "OCEAN",
+        "SHRINKWRAP",
+        "SIMPLE_DEFORM",
+        "SMOOTH",
+        "SOFT_BODY",
+        "SURFACE_DEFORM",
+        "WARP",
+        "WAVE",
+    ]
+)
+
+
+def shifting(obj: bpy.types.Object) -> list[str]:
+    """Names of the modifiers shown in the viewport that move vertices (or may: geometry nodes)."""
+    return [
+        modifier.name for modifier in obj.modifiers if modifier.show_viewport and modifier.type in DEFORMING
+    ]

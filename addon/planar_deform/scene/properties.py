@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the .blend stores for an object: its pins and settings."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+KINDS = (
+    ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
+    ("PATCH", "Patch", "Holds all vertices of the group rigidly, and can be turned"),
+)
+
+
+class PlanarPin(bpy.types.PropertyGroup):
+    """A pin: a vertex group and how it holds the drawing."""
+
+    name: StringProperty(name="Name", description="Label of the pin")
+    group: StringProperty(name="Vertex Group", description="Vertex group whose vertices the pin holds")
+    group_index: IntProperty(default=-1, options={"HIDDEN"})
+    owns_group: BoolProperty(options={"HIDDEN"})  # the group was made for this pin and goes with it
+    kind: EnumProperty(name="Kind", description="How the pin holds the drawing", items=KINDS)
+    enabled: BoolProperty(name="Enabled", description="Let this pin hold the drawing", default=True)
+    weight: FloatProperty(
+        name="Weight",
+        description="How strongly this pin holds, relative to the others",
+        default=1.0,
+        min=0.001,
+    )
+    select: BoolProperty(
+        name="Selected", description="Moved and turned together with the other selected pins"
+    )
+    angle: FloatProperty(
+        name="Angle", description="Turn of a patch from rest", subtype="ANGLE", unit="ROTATION"
+    )
+    # Object-local: where the pin was asked to be, and where the last action left it.
+    has_target: BoolProperty(options={"HIDDEN"})
+    target: FloatVectorProperty(size=3, options={"HIDDEN"})
+    reached: FloatVectorProperty(size=3, options={"HIDDEN"})
+
+
+class PlanarSettings(bpy.types.PropertyGroup):
+    """Pins and posing settings of an object."""
+
+    pins: CollectionProperty(type=PlanarPin)
+    active_pin: IntProperty(name="Active Pin", description="Pin shown in the panel")
+    group_count: IntProperty(options={"HIDDEN"})  # vertex groups when the pins were last matched to them
+    method: EnumProperty(
+        name="Method",
+        description="How the drawing follows the pins",
+        items=(
+            (
+                "AKVF",
+                "AKVF",
+                "As-Killing-as-possible: each drag keeps the drawing as rigid as it can locally",
+            ),
+        ),
+    )
+    pin_weight: FloatProperty(
+        name="Pin Weight",
+        description="How strongly pins hold against the drawing's stiffness",
+        default=1.0,
+        min=1e-4,
+        soft_max=1e4,
+    )
+    show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
+    # Distortion after the last action; flipped is -1 when it has not been measured since the mesh changed.
+    area_distortion: FloatProperty(options={"HIDDEN"})
+    angle_distortion: FloatProperty(options={"HIDDEN"})
+    flipped: IntProperty(default=-1, options={"HIDDEN"})
+
+
+CLASSES = (PlanarPin, PlanarSettings)
+
+
+def register() -> None:
+    """Adds Object.planar; the classes are registered already."""
+    bpy.types.Object.planar = PointerProperty(type=PlanarSettings)
+
+
+def unregister() -> None:
+    """Removes Object.planar."""
+    del bpy.types.Object.planar

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rest shape: the Basis when there are shape keys, else an attribute of the mesh's points."""
+
+from __future__ import annotations
+
+import random
+
+import bpy
+import numpy as np
+
+from . import shape_keys
+
+REST = "planar_rest"
+# Which mesh wrote a vertex's rest: 0 for vertices that an edit added with no rest of their own, another
+# number for those that came by joining, whose rest is still in the space of the object they came from.
+OWNER = "planar_rest_owner"
+
+
+def has_rest(obj: bpy.types.Object) -> bool:
+    """Whether a rest shape is stored."""
+    return obj.data.shape_keys is not None or _attribute(obj.data, REST, "FLOAT_VECTOR") is not None
+
+
+def read(obj: bpy.types.Object) -> tuple[np.ndarray, np.ndarray | None]:
+    """Rest positions count x 3 (float32, object-local) and the owner of each, None when that is not recorded.
+
+    The current positions where no rest shape is stored.
+    """
+    mesh = obj.data
+    count = len(mesh.vertices)
+    if mesh.shape_keys is not None:
+        return shape_keys.read_points(mesh.shape_keys.reference_key.data, count), None
+    stored = _attribute(mesh, REST, "FLOAT_VECTOR")
+    if stored is None:
+        return shape_keys.read_points(mesh.vertices, count), None
+    rest = np.empty(count * 3, np.float32)
+    stored.data.foreach_get("vector", rest)
+    owner = _attribute(mesh, OWNER, "INT")
+    owners = None
+    if owner is not None:
+        owners = np.empty(count, np.int32)
+        owner.data.foreach_get("value", owners)
+    return rest.reshape(-1, 3), owners
+
+
+def write(mesh: bpy.types.Mesh, rest: np.ndarray, owners: np.ndarray | None = None) -> None:
+    """Store rest positions, count x 3, on a mesh without shape keys; all owned by this mesh unless told."""
+    stored = _attribute(mesh, REST, "FLOAT_VECTOR") or _new_attribute(mesh, REST, "FLOAT_VECTOR")
+    stored.data.foreach_set("vector", np.ascontiguousarray(rest, np.float32).ravel())
+    if owners is None:
+        # Below 2^24, so that Blender's interpolation in float keeps it.
+        owners = np.full(len(mesh.vertices), random.randrange(1, 1 << 24), np.int32)
+    owner = _attribute(mesh, OWNER, "INT") or _new_attribute(mesh, OWNER, "INT")
+    owner.data.foreach_set("value", owners)
+
+
+def ensure(obj: bpy.types.Object) -> None:
+    """Store the current shape as rest shape if none is stored."""
+    if not has_rest(obj):
+        mesh = obj.data
+        write(mesh, shape_keys.read_points(mesh.vertices, len(mesh.vertices)))
+
+
+def set_to_current(obj: bpy.types.Object) -> None:
+    """Take the current shape as rest shape.
+
+    With shape keys what the posed key adds to the shown shape goes into the Basis, the other keys move along
+    with it, and the posed key adds nothing any more: what is shown stays the same.
+    """
+    mesh = obj.data
+    count = len(mesh.vertices)
+    if mesh.shape_keys is None:
+        write(mesh, shape_keys.read_points(mesh.vertices, count))
+        return
+    posed = shape_keys.posed_key(obj)
+    if posed is None:
+        return  # the Basis itself is active: it is the rest already
+    keys = mesh.shape_keys
+    points = {key.name: shape_keys.read_points(key.data, count).astype(np.float64) for key in keys.key_blocks}
+    under = shape_keys.under_posed_key(obj)
+    own = points[posed.name] - points[under.name]
+    added = own * shape_keys.weight_of_posed_key(obj)
+    for key in keys.key_blocks:
+        loses_own = posed in _relative_chain(key)
+        key.data.foreach_set("co", (points[key.name] + added - own * loses_own).astype(np.float32).ravel())
+    basis = np.empty(count * 3, np.float32)
+    keys.reference_key.data.foreach_get("co", basis)
+    mesh.vertices.foreach_set("co", basis)
+    mesh.update()
+
+
+def _relative_chain(key: bpy.types.ShapeKey) -> list[bpy.types.ShapeKey]:
+    """The key, the key it is relative to, and so on; each once."""
+    chain: list[bpy.types.ShapeKey] = []
+    while key not in chain:
+        chain.append(key)
+        key = key.relative_key
+    return chain
+
+
+def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute | None:
+    found = mesh.attributes.get(name)
+    return found if found is not None and found.domain == "POINT" and found.data_type == kind else None
+
+
+def _new_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
+    occupied = mesh.attributes.get(name)
+    if occupied is not None:  # of another type or domain: not ours, and in the way
+        mesh.attributes.remove(occupied)
+    return mesh.attributes.new(name, kind, "POINT")
