@@ -3,7 +3,7 @@
 # seconds.
 PYTHON := .venv/bin/python
 .DEFAULT_GOAL := help
-.PHONY: help demo test matrix bench lint format extension docs clean
+.PHONY: help demo test matrix lint bench extension docs
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -23,3 +23,20 @@ matrix: ## The Blender tests in every supported Blender
 lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, and the add-on's registration
 	@tools/setup.sh lint
 	@tools/lint.sh
+
+bench: ## Tables of the native solver's speed and of a drag's cost in Blender's window
+	@tools/setup.sh demo
+	@tools/bench.sh
+
+extension: dist/.built ## dist/planar_deform-*.zip, to be installed in Blender
+
+# What is packed or compiled, with its folders, whose dates tell of files that were added or removed.
+EXTENSION_SOURCES := $(shell find addon native CMakeLists.txt pyproject.toml LICENSE tools/build_extension* \
+    tools/requirements -not -name __pycache__ -not -name '*.pyc')
+dist/.built: $(EXTENSION_SOURCES)
+	@tools/build_extension.sh
+	@touch $@
+
+docs: ## The pictures of the docs pages
+	@tools/setup.sh demo
+	@tools/docs.sh

@@ -21,8 +21,8 @@ check() { # check NAME COMMAND...
     checks=$((checks + 1))
 }
 
-mapfile -t native < <(git ls-files '*.h' '*.cc')
-mapfile -t library < <(git ls-files 'native/src/*.cc')
+mapfile -t native < <(git ls-files '*.h' '*.cc' '*.cpp')
+mapfile -t library < <(git ls-files 'native/src/*.cpp')
 mapfile -t shell < <(git ls-files '*.sh' '.ci/run')
 ruff=.venv/bin/ruff
 

@@ -5,7 +5,7 @@
 # A Python environment, and what builds the library and the module into it.
 build_packages=(
     python3-dev python3-venv g++ cmake make ninja-build
-    libsuitesparse-dev libopenblas-serial-dev libeigen3-dev
+    libsuitesparse-dev libopenblas-pthread-dev libeigen3-dev
 )
 # What the bpy wheels load, though they draw no window.
 bpy_packages=(libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libxext6 libgl1)
