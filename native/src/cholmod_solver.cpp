@@ -6,11 +6,42 @@
 #include <omp.h>
 #endif
 
+#include <mutex>
+
 #include "planar/types.h"
+
+#ifdef __linux__
+// Not declared by any header that CHOLMOD's users need; absent where another BLAS is behind it.
+extern "C" {
+[[gnu::weak]] void openblas_set_num_threads(int n_threads);
+[[gnu::weak]] int openblas_get_parallel();
+}
+#endif
 
 namespace planar {
 
 namespace {
+
+/// Settles how CHOLMOD's BLAS is called when OpenBLAS is behind it. Its threads are switched off, in the
+/// whole process: they never paid for blocks of this size, and only without them are results the same on
+/// every machine. And where it was built for single threaded programs (Debian's libopenblas0-serial), two
+/// threads corrupt each other's buffers, so that calls must take turns.
+class BlasTurn {
+ public:
+#ifdef __linux__
+  BlasTurn() {
+    static const bool take_turns = [] {
+      if (openblas_set_num_threads) openblas_set_num_threads(1);
+      return openblas_get_parallel && openblas_get_parallel() == 0;
+    }();
+    static std::mutex mutex;
+    if (take_turns) lock_ = std::unique_lock(mutex);
+  }
+
+ private:
+  std::unique_lock<std::mutex> lock_;
+#endif
+};
 
 /// Keeps CHOLMOD to the calling thread: its threads, opened anew for each supernode, cost more than they
 /// save. CHOLMOD 3 fixes their number when it is compiled, so there OpenMP's levels are switched off for this
@@ -95,12 +126,14 @@ class CholmodSolver final : public SparseSolver {
   }
 
   void factorize(const SymmetricMatrix& matrix) override {
+    const BlasTurn turn;
     const OneThread guard(common_);
     cholmod_sparse a = view(matrix, true);
     if (!cholmod_factorize(&a, factor_, &common_) || common_.status != CHOLMOD_OK) fail();
   }
 
   void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) override {
+    const BlasTurn turn;
     const OneThread guard(common_);
     cholmod_dense right{};
     right.nrow = right.d = right.nzmax = static_cast<std::size_t>(b.size());
