@@ -37,6 +37,7 @@ class Holder:
         self.pin = pin
         self._triangles = cutout.triangles
         self.shares = pin.weights / pin.weights.sum()
+        self.part = int(cutout.parts[pin.vertices[0]])  # whose depth the pin is drawn in
         rest_centre = self.shares @ cutout.rest[pin.vertices]
         self._arms = cutout.rest[pin.vertices] - rest_centre
         self._point = None if pin.kind == "PATCH" else _point_at(pin, self.shares, rest_centre, cutout)

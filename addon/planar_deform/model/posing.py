@@ -26,6 +26,7 @@ class PinResult:
     """Where an action left one pin."""
 
     key: int
+    part: int  # of the cutout
     target: Array  # (2,) where it was asked to be
     reached: Array  # (2,) where it is
     angle: float
@@ -96,7 +97,7 @@ class PoseAction:
         results = []
         for holder, start in zip(self._holders, self._starts, strict=True):
             target, angle = self._aim(holder, start, sample)
-            results.append(PinResult(holder.pin.key, target, holder.place(self._positions), angle))
+            results.append(PinResult(holder.pin.key, holder.part, target, holder.place(self._positions), angle))
         return results
 
     def _moves(self, holder: Holder) -> bool:

@@ -51,8 +51,8 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
     def apply(self, context):
         obj = context.object
         scene = begin(context)
-        point = scene.nearest(np.array(self.location, dtype=np.float64))
-        if point.distance > ON_MESH * scene.cutout.diagonal:
+        point = scene.nearest(np.array(self.location, dtype=np.float64), ON_MESH * scene.cutout.diagonal)
+        if point is None:
             raise Refusal("No mesh there: add the pin at a point of the drawing")
         pin = pins.add_at(obj, scene, point)
         if not self.extend:

@@ -118,7 +118,6 @@ class SceneCutout:
         self.cutout = make_cutout(rest, triangles, parts)
 
     # -- reading
-    # ----------------------------------------
 
     def to_world(self, points: Array, parts: Indices | None = None) -> Array:
         """World positions k x 3 of k x 2 points of the plane, as deep as their parts (k,), else the first."""
@@ -159,24 +158,22 @@ class SceneCutout:
                 return found
         return None
 
-    def nearest(self, place: Array) -> MeshPoint:
-        """The point of the shown mesh nearest to a world position (3,), its distance in world units."""
+    def nearest(self, place: Array, within: float) -> MeshPoint | None:
+        """The point of the shown mesh nearest to a world position (3,) put into its plane; None beyond `within`.
+
+        Of several parts that are that near, the one whose depth is nearest to the position's.
+        """
         flat = self.from_world(place[None, :])[0]
         depths = np.abs(self._depths - float((place - self._origin) @ self.frame.n))
         part_of = self.cutout.parts[self.cutout.triangles[:, 0]]
-        best: MeshPoint | None = None
-        for part in range(len(depths)):
+        for part in np.argsort(depths):
             among = np.flatnonzero(part_of == part).astype(np.int32)
             found = nearest_point(self.positions, self.cutout.triangles, flat, among)
-            assert found is not None  # each part has triangles
-            distance = float(np.hypot(found.distance, depths[part]))
-            if best is None or distance < best.distance:
-                best = MeshPoint(found.triangle, found.weights, distance)
-        assert best is not None
-        return best
+            if found is not None and found.distance <= within:
+                return found
+        return None
 
     # -- writing
-    # ----------------------------------------
 
     def write(self, positions: Array) -> None:
         """Show n x 2 positions: in the mesh, or through the posed shape key (made if the Basis is active).
@@ -194,7 +191,7 @@ class SceneCutout:
 
     def write_rest(self) -> None:
         """Take the pose away, to the bit: the mesh, or the posed key's own difference, goes back to rest."""
-        obj = self._resolve()
+        obj = self.resolve()
         coordinates = self._begin.copy()
         if not self._has_keys:
             rest = rest_store.read(obj)[0] if self._rest_after is None else self._rest_after
@@ -208,7 +205,7 @@ class SceneCutout:
 
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
-        obj = self._resolve()
+        obj = self.resolve()
         if self._added_key is not None:
             index = list(obj.data.shape_keys.key_blocks).index(obj.data.shape_keys.reference_key)
             obj.shape_key_remove(obj.data.shape_keys.key_blocks[self._added_key])
@@ -222,7 +219,7 @@ class SceneCutout:
             rest_store.write(obj.data, *self._rest_before)
 
     def _store(self, coordinates: np.ndarray) -> None:
-        obj = self._resolve()
+        obj = self.resolve()
         if self._has_keys and self._begin_key is None and self._added_key is None:
             self._added_key = shape_keys.add_pose_key(obj).name
         if self._rest_after is not None:
@@ -238,7 +235,7 @@ class SceneCutout:
             raise ObjectGone("The shape key that was posed is gone")
         return key.data
 
-    def _resolve(self) -> bpy.types.Object:
+    def resolve(self) -> bpy.types.Object:
         obj = bpy.data.objects.get(self.object_name)
         if obj is None or obj.session_uid != self.session_uid:
             raise ObjectGone(f"'{self.object_name}' is gone")
@@ -250,7 +247,6 @@ class SceneCutout:
         return obj
 
     # -- rest
-    # ------------------------------------------------------------
 
     def _rest_positions(
         self, stored: np.ndarray, owners: np.ndarray | None, shown: Array, triangles: Indices, parts: Indices

@@ -96,8 +96,8 @@ def store_results(obj: bpy.types.Object, scene: SceneCutout, results: Iterable[P
     """Keep where an action asked its pins to be and where it left them."""
     for result in results:
         pin = obj.planar.pins[result.key]
-        part = None
-        pin.target, pin.reached = scene.to_local(np.array([result.target, result.reached]), part)
+        parts = np.array([result.part, result.part], np.int32)
+        pin.target, pin.reached = scene.to_local(np.array([result.target, result.reached]), parts)
         pin.has_target = True
         if pin.kind == "PATCH":
             pin.angle = result.angle

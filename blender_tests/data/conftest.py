@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Each test starts in an empty Blender in which the add-on is registered."""
+
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "addon"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _add_on():
+    import planar_deform
+
+    planar_deform.register()
+    yield
+    planar_deform.unregister()
+
+
+@pytest.fixture(autouse=True)
+def _fresh_file(_add_on):
+    bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cutouts to test on, and short ways to read and pose them."""
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+# Rotations that turn the XY plane into the plane named, as local coordinates of the mesh.
+PLANES = {
+    "XY": np.eye(3),
+    "XZ": np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], float),
+    "YZ": np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]], float),
+    "tilted": np.array(Matrix.Rotation(0.7, 3, "X") @ Matrix.Rotation(-0.4, 3, "Y")),
+}
+
+
+def make_object(vertices, faces, edges=(), name="Cutout"):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([tuple(vertex) for vertex in vertices], list(edges), [tuple(face) for face in faces])
+    mesh.update()
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    activate(obj)
+    return obj
+
+
+def activate(obj):
+    bpy.context.view_layer.update()
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+
+
+def grid(nx, ny, width=2.0, height=1.0, *, origin=(0.0, 0.0), depth=0.0):
+    """Vertices (k x 3, in XY) and quads of a grid of nx x ny faces; vertex j * (nx + 1) + i."""
+    x, y = np.meshgrid(np.linspace(0, width, nx + 1) + origin[0], np.linspace(0, height, ny + 1) + origin[1])
+    vertices = np.stack([x.ravel(), y.ravel(), np.full(x.size, depth)], axis=1)
+    first = (np.arange(ny)[:, None] * (nx + 1) + np.arange(nx)).ravel()
+    return vertices, np.stack([first, first + 1, first + nx + 2, first + nx + 1], axis=1)
+
+
+def bar(*, plane="XY", nx=12, ny=4, triangles=False, name="Cutout"):
+    """A bar of 2 x 1 in one of the planes, of quads or triangles."""
+    vertices, faces = grid(nx, ny)
+    if triangles:
+        faces = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+    return make_object(vertices @ PLANES[plane].T, faces.tolist(), name=name)
+
+
+def coordinates(points):
+    """The float32 coordinates (k x 3) of vertices or shape key data."""
+    found = np.empty(len(points) * 3, np.float32)
+    points.foreach_get("co", found)
+    return found.reshape(-1, 3)
+
+
+def evaluated(obj):
+    """What Blender shows: the evaluated mesh's coordinates."""
+    bpy.context.view_layer.update()
+    return coordinates(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
+
+
+def add_pins(obj, *groups, kind="POINT"):
+    """A pin on each of these lists of vertices; the last one is selected."""
+    from planar_deform.scene import pins
+
+    for rows in groups:
+        pins.add_on_vertices(obj, [int(row) for row in rows], kind)
+    for index, pin in enumerate(obj.planar.pins):
+        pin.select = index == len(obj.planar.pins) - 1
+
+
+def add_end_pins(obj, nx=12, count=65, kind="POINT"):
+    """Pins on the left and the right column of a grid (of a bar, unless told); the right one is selected."""
+    add_pins(obj, range(0, count, nx + 1), range(nx, count, nx + 1), kind=kind)
+
+
+def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
+    """One action of the selected pins (or those told) through the model, as the operators do it."""
+    from planar_deform.model import solver_cache
+    from planar_deform.model.posing import PoseAction
+    from planar_deform.scene import pins
+    from planar_deform.scene.access import begin
+
+    activate(obj)
+    scene = begin(bpy.context)
+    moving = {i for i, pin in enumerate(obj.planar.pins) if pin.select} if moving is None else set(moving)
+    poser = solver_cache.poser_for(
+        scene.session_uid, scene.cutout, obj.planar.method.lower(), obj.planar.pin_weight, scene.positions
+    )
+    action = PoseAction(scene.cutout, scene.positions, pins.model_pins(obj, scene), moving, poser)
+    for step in range(1, 9):
+        action.move(offset[0] * step / 8, offset[1] * step / 8, angle * step / 8)
+    scene.write(action.finish())
+    pins.store_results(obj, scene, action.results())
+    pins.store_distortion(obj, scene, action.positions)
+    return scene, action
+
+
+def world(obj, points=None):
+    """World coordinates of the mesh's vertices, float64."""
+    bpy.context.view_layer.update()
+    points = coordinates(obj.data.vertices) if points is None else points
+    matrix = np.array(obj.matrix_world, float)
+    return points.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
