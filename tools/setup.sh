@@ -23,7 +23,7 @@ bpy_environment() {
 }
 
 case ${1:-} in
-    demo) bpy_environment ;;
+    demo) bpy_environment demo.txt ;;
     test) bpy_environment test.txt ;;
     native) tools/apt.sh "${build_packages[@]}" "${native_test_packages[@]}" ;;
     lint) tools/apt.sh "${build_packages[@]}" "${native_test_packages[@]}" "${lint_packages[@]}" && bpy_environment test.txt lint.txt ;;
