@@ -11,7 +11,7 @@ build_packages=(
 bpy_packages=(libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libxext6 libgl1)
 # The library's tests and benchmarks.
 native_test_packages=(libgtest-dev libbenchmark-dev)
-lint_packages=(clang-format clang-tidy shellcheck)
+lint_packages=(clang-format clang-tidy libomp-dev shellcheck)
 # A screen to open a window on, and pictures of it.
 screen_packages=(xvfb xauth libgl1-mesa-dri imagemagick)
 # Debian's own Blender. Without the last two 5.2's own extension add-on logs an import error.

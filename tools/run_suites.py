@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Run the test suites of `make test` or `make matrix` one after another and print a table of what they did.
 
-Each suite is a command that prints a runner's closing line; its whole output goes to out/logs/. A suite that fails
-or runs no test fails the command. Only a suite that needs the newest Debian room may be left out, and only when the
-room cannot be made; the table says so.
+Each suite is a command that prints a runner's closing line; its whole output goes to out/logs/. A suite that
+fails or runs no test fails the command. Only a suite that needs the newest Debian room may be left out, and only
+when the room cannot be made; the table says so.
 """
 
 import dataclasses
@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import IO
 
 PROJECT = Path(__file__).resolve().parents[1]
 LOGS = PROJECT / "out" / "logs"
@@ -36,6 +37,7 @@ class Outcome:
 
 
 PYTHON = ".venv/bin/python"
+BPY_VERSIONS = ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
 SUITES = {
     "test": (
         Suite("native-release", ("tools/native_tests.sh", "release")),
@@ -46,7 +48,10 @@ SUITES = {
         Suite("window", ("tools/window_tests.sh",)),
     ),
     "matrix": (
-        *(Suite(f"data-{bpy}", ("tools/data_tests.sh", bpy)) for bpy in ("4.2.23", "4.5.15", "5.0.1", "5.2.3")),
+        *(
+            Suite(f"data-{bpy}", ("tools/data_tests.sh", bpy))
+            for bpy in ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
+        ),
         Suite("window-trixie", ("tools/window_tests.sh", "trixie")),
         Suite("window-sid", ("tools/window_tests.sh", "sid"), room="sid"),
     ),
@@ -60,8 +65,15 @@ def counts(log: str) -> tuple[int, int]:
         failed, total = map(int, ctest[-1])
         return total - failed, failed
     closing = [line for line in log.splitlines() if re.search(r"\b\d+ (passed|failed|errors?)\b", line)]
-    found = {word: int(number) for number, word in re.findall(r"(\d+) (passed|failed|error)", closing[-1])} if closing else {}
+    words = re.findall(r"(\d+) (passed|failed|error)", closing[-1]) if closing else []
+    found = {word: int(number) for number, word in words}
     return found.get("passed", 0), found.get("failed", 0) + found.get("error", 0)
+
+
+def call(command: tuple[str, ...], log: IO[str]) -> int:
+    return subprocess.run(
+        command, cwd=PROJECT, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, check=False
+    ).returncode
 
 
 def run(suite: Suite) -> Outcome:
@@ -69,10 +81,10 @@ def run(suite: Suite) -> Outcome:
     start = time.monotonic()
     log_path = LOGS / f"{suite.name}.log"
     with log_path.open("w") as log:
-        if suite.room and subprocess.run(("tools/room.sh", suite.room), stdout=log, stderr=log, check=False).returncode:
+        if suite.room and call(("tools/room.sh", suite.room), log) != 0:
             print(f"left out: the {suite.room} room cannot be made here, see {log_path.relative_to(PROJECT)}")
             return Outcome(suite, 0, 0, time.monotonic() - start, left_out=True)
-        code = subprocess.run(suite.command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, check=False).returncode
+        code = call(suite.command, log)
     text = log_path.read_text(errors="replace")
     passed, failed = counts(text)
     if failed == 0 and (code != 0 or passed == 0):
@@ -91,7 +103,8 @@ def main() -> int:
     outcomes = [run(suite) for suite in SUITES[sys.argv[1]]]
     print(f"\n{'suite':16} {'passed':>6} {'failed':>6} {'seconds':>8}")
     for o in outcomes:
-        print(f"{o.suite.name:16} {'left out' if o.left_out else f'{o.passed:6} {o.failed:6}'} {o.seconds:8.0f}")
+        what = f"{'left out':>13}" if o.left_out else f"{o.passed:6} {o.failed:6}"
+        print(f"{o.suite.name:16} {what} {o.seconds:8.0f}")
     failed = sum(outcome.failed for outcome in outcomes)
     print(f"\n{sum(outcome.passed for outcome in outcomes)} passed, {failed} failed", flush=True)
     return 1 if failed else 0
