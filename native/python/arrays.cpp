@@ -21,6 +21,10 @@ constexpr py::ssize_t kMaxRows = std::numeric_limits<int>::max() / 32;
   throw std::invalid_argument(name + ": " + problem);
 }
 
+[[noreturn]] void refuse_row(const std::string& name, Eigen::Index row, const std::string& problem) {
+  refuse(name + ", row " + std::to_string(row), problem);
+}
+
 std::string shape_text(const py::array& array) {
   std::string text = "(";
   for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
@@ -70,7 +74,7 @@ Matrix to_reals(const std::string& name, py::handle value, Eigen::Index rows, in
   for (Eigen::Index i = 0; i < result.size(); ++i) {
     result.data()[i] = array.data()[i];
     if (!std::isfinite(result.data()[i])) {
-      refuse(name, "row " + std::to_string(i / columns) + " is not finite");
+      refuse_row(name, i / columns, "not a finite number");
     }
   }
   return result;
@@ -83,8 +87,7 @@ Matrix narrow(const std::string& name, const py::array& source, int columns) {
   for (Eigen::Index i = 0; i < result.size(); ++i) {
     const Wide entry = array.data()[i];
     if (!std::in_range<int>(entry)) {
-      refuse(name,
-             "row " + std::to_string(i / columns) + " holds " + std::to_string(entry) + ", out of range");
+      refuse_row(name, i / columns, std::to_string(entry) + " is no index");
     }
     result.data()[i] = static_cast<int>(entry);
   }
@@ -124,8 +127,8 @@ Handles to_handles(py::handle value, const Triangles& triangles, Eigen::Index n_
                           ", expected (triangle indices, barycentric weights) or an array of vertex indices");
   }
   using Barycentric = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  const auto triangle = to_integers<Eigen::VectorXi>("handles[0]", pair[0], kAnyRows, 1);
-  const auto weights = to_reals<Barycentric>("handles[1]", pair[1], triangle.size(), 3);
+  const auto triangle = to_integers<Eigen::VectorXi>("handles", pair[0], kAnyRows, 1);
+  const auto weights = to_reals<Barycentric>("barycentric", pair[1], triangle.size(), 3);
   return Handles::in_triangles(triangle, weights, triangles, n_vertices);
 }
 

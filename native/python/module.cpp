@@ -55,7 +55,7 @@ PoserMethod to_method(const std::string& name) {
   throw std::invalid_argument("method: '" + name + "' is not available; there is 'akvf'");
 }
 
-std::unique_ptr<GuardedPoser> make_poser(py::handle rest, py::handle triangles, const std::string& method,
+std::shared_ptr<GuardedPoser> make_poser(py::handle rest, py::handle triangles, const std::string& method,
                                          std::optional<double> pin_weight, py::handle stiffness) {
   Points x = to_points("rest", rest);
   Triangles t = to_triangles(triangles);
@@ -64,32 +64,36 @@ std::unique_ptr<GuardedPoser> make_poser(py::handle rest, py::handle triangles, 
   options.pin_weight = pin_weight;
   options.stiffness = to_numbers("stiffness", stiffness, t.rows());
   const py::gil_scoped_release unlocked;
-  return std::make_unique<GuardedPoser>(std::move(x), std::move(t), std::move(options));
+  return std::make_shared<GuardedPoser>(std::move(x), std::move(t), std::move(options));
 }
 
-void py_set_handles(GuardedPoser& poser, py::handle handles, py::handle weights, py::handle groups) {
-  Handles h = to_handles(handles, poser.triangles(), poser.n_vertices());
+// A Poser made by __new__ alone holds nothing: asked for the holder pybind11 notices, asked for a reference
+// not.
+using PoserRef = std::shared_ptr<GuardedPoser>;
+
+void py_set_handles(const PoserRef& poser, py::handle handles, py::handle weights, py::handle groups) {
+  Handles h = to_handles(handles, poser->triangles(), poser->n_vertices());
   Eigen::VectorXd w = to_numbers("weights", weights, h.size());
   Eigen::VectorXi g = to_indices("groups", groups, h.size());
   const py::gil_scoped_release unlocked;
-  poser.set_handles(std::move(h), std::move(w), std::move(g));
+  poser->set_handles(std::move(h), std::move(w), std::move(g));
 }
 
-Points py_move(GuardedPoser& poser, py::handle targets) {
+Points py_move(const PoserRef& poser, py::handle targets) {
   const Points u = to_points("targets", targets);
   const py::gil_scoped_release unlocked;
-  return poser.move(u);
+  return poser->move(u);
 }
 
-void py_reset(GuardedPoser& poser, py::handle positions) {
+void py_reset(const PoserRef& poser, py::handle positions) {
   if (positions.is_none()) {
     const py::gil_scoped_release unlocked;
-    poser.reset();
+    poser->reset();
     return;
   }
-  const Points x = to_points("positions", positions, poser.n_vertices());
+  const Points x = to_points("positions", positions, poser->n_vertices());
   const py::gil_scoped_release unlocked;
-  poser.reset(x);
+  poser->reset(x);
 }
 
 py::dict py_build_info() {
@@ -197,7 +201,7 @@ Area and angle distortion between two shapes of a mesh (Solomon et al. 2011, sec
 rest n x 2, posed n x 2, triangles m x 3. Returns a Distortion; 2 is no distortion, and so count triangles without area at
 rest. Raises ValueError.)");
 
-  auto poser_class = py::class_<GuardedPoser>(
+  auto poser_class = py::class_<GuardedPoser, PoserRef>(
       m, "Poser", R"(Poser(rest, triangles, *, method="akvf", pin_weight=None, stiffness=None)
 
 Poses a mesh by moving handles. The object keeps the posed shape from one move to the next.
@@ -227,16 +231,20 @@ handles k (see the module); weights k, positive, multiply pin_weight (None: 1 ea
 
 One step of the handles from where they are towards targets, k x 2, and of the mesh with them. Returns the new positions, n x 2.
 Raises ValueError and SolveError; the shape is then the one before the call.)")
-      .def("settle", &GuardedPoser::settle, without_gil, R"(settle()
+      .def(
+          "settle", [](const PoserRef& poser) { return poser->settle(); }, without_gil, R"(settle()
 
 Steps on towards the last targets until the handles stop getting nearer, for when the mouse rests. Returns the new positions, n x 2. Raises SolveError.)")
       .def("reset", &py_reset, py::arg("positions") = py::none(), R"(reset(positions=None)
 
 Takes positions, n x 2, as the present shape; None takes the rest shape. Handles stay, targets are forgotten. Raises ValueError.)")
-      .def_property_readonly("positions", py::cpp_function(&GuardedPoser::positions, without_gil),
-                             "The present shape, n x 2; a copy.")
-      .def_property_readonly("report", py::cpp_function(&GuardedPoser::report, without_gil),
-                             "What the last move or settle did, a Report.");
+      .def_property_readonly(
+          "positions",
+          py::cpp_function([](const PoserRef& poser) { return poser->positions(); }, without_gil),
+          "The present shape, n x 2; a copy.")
+      .def_property_readonly(
+          "report", py::cpp_function([](const PoserRef& poser) { return poser->report(); }, without_gil),
+          "What the last move or settle did, a Report.");
 
   m.def("build_info", &py_build_info, R"(build_info()
 

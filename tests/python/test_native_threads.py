@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The module among threads: solves run without the GIL, and side by side they give the same bits as one after another."""
+
+import threading
+import time
+
+import native_reference as reference
+import numpy as np
+import planar_native
+import pytest
+
+
+def drag(poser, rest, handles, turn):
+    """The positions along a drag that moves the handles on an arc."""
+    path = []
+    for step in range(12):
+        angle = turn * (step + 1)
+        arc = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        path.append(poser.move(rest[handles] @ arc))
+    path.append(poser.settle())
+    return np.array(path)
+
+
+def together(*functions):
+    """Call each function in a thread of its own, all at once; their results, or the first exception."""
+    results = [None] * len(functions)
+    errors = []
+    start = threading.Barrier(len(functions))
+
+    def run(index):
+        start.wait()
+        try:
+            results[index] = functions[index]()
+        except Exception as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=run, args=(index,)) for index in range(len(functions))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    if errors:
+        raise errors[0]
+    return results
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return reference.bar(columns=40, rows=20)
+
+
+def test_two_posers_in_two_threads_give_the_bits_of_one_after_the_other(mesh):
+    rest, triangles = mesh
+    drags = [(np.array([0, 40, 500]), 0.03), (np.array([7, 300, 820, 860]), -0.02)]
+
+    def run(handles, turn):
+        poser = planar_native.Poser(rest, triangles)
+        poser.set_handles(handles)
+        return drag(poser, rest, handles, turn)
+
+    alone = [run(*each) for each in drags]
+    for _ in range(3):
+        beside = together(*(lambda each=each: run(*each) for each in drags))
+        np.testing.assert_array_equal(beside, alone)
+
+
+def test_one_poser_in_two_threads_makes_calls_wait_for_each_other(mesh):
+    """Every result is one of a call that ran alone: here all calls ask for the same move, so there is one sequence."""
+    rest, triangles = mesh
+    handles = np.array([0, 40, 500])
+    targets = rest[handles] + [[0.0, 0.0], [2.0, 3.0], [0.0, 1.0]]
+
+    def fresh():
+        poser = planar_native.Poser(rest, triangles)
+        poser.set_handles(handles)
+        return poser
+
+    calls = 8
+    poser = fresh()
+    alone = [poser.move(targets) for _ in range(2 * calls)]
+    poser = fresh()
+    first, second = together(*([lambda: [poser.move(targets) for _ in range(calls)]] * 2))
+    np.testing.assert_array_equal(poser.positions, alone[-1])
+    known = {shape.tobytes() for shape in alone}
+    assert all(shape.tobytes() in known for shape in first + second)
+
+
+def test_other_threads_run_during_a_solve():
+    """With the GIL held, the main thread could not wake between the solve's start and its end."""
+    rest, triangles = reference.bar(columns=150, rows=100)
+    poser = planar_native.Poser(rest, triangles)
+    poser.set_handles([0, 150, 15000])
+    targets = rest[[0, 150, 15000]] + [[0.0, 0.0], [5.0, 9.0], [0.0, 1.0]]
+    span = []
+
+    def solve():
+        begin = time.perf_counter()
+        poser.move(targets)
+        span.extend([begin, time.perf_counter()])
+
+    wakes = []
+    thread = threading.Thread(target=solve)
+    thread.start()
+    while thread.is_alive():
+        wakes.append(time.perf_counter())
+        time.sleep(1e-3)
+    begin, end = span
+    middle = [wake for wake in wakes if begin + 0.1 * (end - begin) < wake < end - 0.1 * (end - begin)]
+    assert len(middle) >= 3

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The module's numbers against dense algebra and closed forms."""
+
+import native_reference as reference
+import numpy as np
+import planar_native
+import pytest
+
+HANDLES = np.array([0, 8, 49])
+BARYCENTRIC = (np.array([3, 40, 70]), np.array([[0.2, 0.3, 0.5], [1 / 3, 1 / 3, 1 / 3], [0.0, 0.25, 0.75]]))
+VELOCITIES = np.array([[0.3, -0.1], [0.0, 0.4], [-0.2, 0.2]])
+
+
+def picked(handles, triangles, n):
+    """The k x n matrix that takes values at the vertices to values at the handles."""
+    if not isinstance(handles, tuple):
+        return np.eye(n)[handles]
+    rows = np.zeros((len(handles[0]), n))
+    for row, triangle, weights in zip(rows, *handles, strict=True):
+        row[triangles[triangle]] = weights
+    return rows
+
+
+@pytest.mark.parametrize("handles", [HANDLES, BARYCENTRIC], ids=["vertices", "barycentric"])
+@pytest.mark.parametrize("painted", [False, True], ids=["uniform", "painted"])
+@pytest.mark.parametrize("dirichlet", [False, True], ids=["(7)", "(8)"])
+@pytest.mark.parametrize(("pin_weight", "hard"), [(1.0, False), (250.0, False), (1.0, True)])
+def test_killing_field_solves_7_and_8(handles, painted, dirichlet, pin_weight, hard):
+    vertices, triangles = reference.bar()
+    stiffness = np.linspace(0.1, 5, len(triangles)) if painted else None
+    options = {"pin_weight": pin_weight, "hard": hard, "dirichlet": dirichlet, "stiffness": stiffness}
+    field = planar_native.killing_field(vertices, triangles, handles, VELOCITIES, **options)
+    expected = reference.killing_field(
+        vertices, triangles, picked(handles, triangles, len(vertices)), VELOCITIES, **options
+    )
+    # The condition number of (7) is about 1e5 here: two exact methods differ by 1e-11 or so.
+    np.testing.assert_allclose(field, expected, rtol=0, atol=1e-9)
+
+
+def test_killing_field_of_one_handle_translates():
+    vertices, triangles = reference.bar()
+    field = planar_native.killing_field(vertices, triangles, [5], [[0.25, -1.5]])
+    np.testing.assert_allclose(field, np.tile([0.25, -1.5], (len(vertices), 1)), rtol=0, atol=1e-12)
+
+
+def test_no_handle_no_motion():
+    vertices, triangles = reference.bar()
+    field = planar_native.killing_field(vertices, triangles, np.zeros(0, int), np.zeros((0, 2)))
+    np.testing.assert_array_equal(field, np.zeros_like(vertices))
+
+
+def test_spirals_follow_14_to_16():
+    vertices, triangles = reference.bar()
+    velocities = np.random.default_rng(3).normal(0, 0.2, vertices.shape)
+    velocities[:10] = [0.5, 0.25]  # edges of equal velocities: z = 0
+    moved = planar_native.advance_along_spirals(vertices, triangles, velocities)
+    expected = reference.advance_along_spirals(vertices, triangles, velocities)
+    np.testing.assert_allclose(moved, expected, rtol=0, atol=1e-12)
+
+
+def test_distortion_is_that_of_the_singular_values():
+    vertices, triangles = reference.bar()
+    posed = vertices @ [[1.2, 0.3], [-0.4, 0.9]] + np.random.default_rng(5).normal(0, 0.02, vertices.shape)
+    result = planar_native.distortion(vertices, posed, triangles)
+    area, angle, weights = reference.distortion(vertices, posed, triangles)
+    np.testing.assert_allclose(result.triangle_area, area, rtol=1e-11)
+    np.testing.assert_allclose(result.triangle_angle, angle, rtol=1e-11)
+    assert result.area == pytest.approx(np.average(area, weights=weights), rel=1e-12)
+    assert result.angle == pytest.approx(np.average(angle, weights=weights), rel=1e-12)
+    assert result.flipped == 0
+
+
+def test_mirror_flips_every_triangle():
+    vertices, triangles = reference.bar()
+    result = planar_native.distortion(vertices, vertices * [-1, 1], triangles)
+    assert result.flipped == len(triangles)
+
+
+def test_poser_brings_handles_to_their_targets():
+    vertices, triangles = reference.bar()
+    poser = planar_native.Poser(vertices, triangles, method="akvf", pin_weight=1e4)
+    poser.set_handles(HANDLES)
+    targets = vertices[HANDLES] + [[0, 0], [0.8, 1.2], [0, 0]]
+    posed = poser.move(targets)
+    for _ in range(20):
+        posed = poser.settle()
+    np.testing.assert_array_equal(posed, poser.positions)
+    error = np.linalg.norm(posed[HANDLES] - targets, axis=1).max()
+    assert error < 1e-3 * np.linalg.norm(np.ptp(vertices, axis=0))
+    assert poser.report.furthest_handle == pytest.approx(error, rel=1e-9)
+    assert poser.report.flipped == 0
+
+
+def test_poser_turns_rigid_motion_into_rigid_motion():
+    vertices, triangles = reference.bar()
+    poser = planar_native.Poser(vertices, triangles)
+    poser.set_handles(BARYCENTRIC)
+    turn = np.array([[np.cos(0.2), np.sin(0.2)], [-np.sin(0.2), np.cos(0.2)]])
+    moved = vertices @ turn + [3.0, -1.0]
+    start = picked(BARYCENTRIC, triangles, len(vertices)) @ moved
+    posed = poser.move(start)
+    for _ in range(20):
+        posed = poser.settle()
+    # AKVF forgets the rest shape, so what is left is the soft handles' residual of the chords, not solver error.
+    assert planar_native.distortion(vertices, posed, triangles).area == pytest.approx(2, abs=1e-2)
+    assert poser.report.furthest_handle < 0.05
+
+
+def test_reset_takes_the_rest_shape_or_the_one_given():
+    vertices, triangles = reference.bar()
+    poser = planar_native.Poser(vertices, triangles)
+    poser.set_handles(HANDLES)
+    poser.move(vertices[HANDLES] + 0.5)
+    shape = vertices * [1.1, 0.9]
+    poser.reset(shape)
+    np.testing.assert_array_equal(poser.positions, shape)
+    poser.reset()
+    np.testing.assert_array_equal(poser.positions, vertices)
+    poser.move(vertices[HANDLES] + 0.25)
+    poser.reset(None)
+    np.testing.assert_array_equal(poser.positions, vertices)
+
+
+def test_what_is_returned_is_a_copy():
+    vertices, triangles = reference.bar()
+    poser = planar_native.Poser(vertices, triangles)
+    poser.set_handles(HANDLES)
+    posed = poser.move(vertices[HANDLES])
+    posed[:] = 0
+    poser.positions[:] = 0
+    np.testing.assert_allclose(poser.positions, vertices, rtol=0, atol=1e-9)
+
+
+def test_build_info_names_the_backend():
+    info = planar_native.build_info()
+    assert {"version", "backend", "eigen", "suitesparse", "threads"} <= info.keys()
+    assert "CHOLMOD" in info["backend"] if info["suitesparse"] else "Eigen" in info["backend"]
+    assert info["threads"] >= 1
