@@ -48,10 +48,10 @@ def bar(*, plane="XY", nx=12, ny=4, triangles=False, name="Cutout"):
     return make_object(vertices @ PLANES[plane].T, faces.tolist(), name=name)
 
 
-def coordinates(points):
-    """The float32 coordinates (k x 3) of vertices or shape key data."""
+def coordinates(points, name="co"):
+    """The float32 coordinates (k x 3) of vertices, shape key data or, named "vector", an attribute."""
     found = np.empty(len(points) * 3, np.float32)
-    points.foreach_get("co", found)
+    points.foreach_get(name, found)
     return found.reshape(-1, 3)
 
 

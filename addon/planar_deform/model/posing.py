@@ -97,7 +97,8 @@ class PoseAction:
         results = []
         for holder, start in zip(self._holders, self._starts, strict=True):
             target, angle = self._aim(holder, start, sample)
-            results.append(PinResult(holder.pin.key, holder.part, target, holder.place(self._positions), angle))
+            reached = holder.place(self._positions)
+            results.append(PinResult(holder.pin.key, holder.part, target, reached, angle))
         return results
 
     def _moves(self, holder: Holder) -> bool:

@@ -159,7 +159,7 @@ class SceneCutout:
         return None
 
     def nearest(self, place: Array, within: float) -> MeshPoint | None:
-        """The point of the shown mesh nearest to a world position (3,) put into its plane; None beyond `within`.
+        """The point of the shown mesh nearest to a world position (3,) in its plane; None beyond `within`.
 
         Of several parts that are that near, the one whose depth is nearest to the position's.
         """
@@ -236,6 +236,7 @@ class SceneCutout:
         return key.data
 
     def resolve(self) -> bpy.types.Object:
+        """The object that was read. Raises ObjectGone if it, its mesh or its mode is another one by now."""
         obj = bpy.data.objects.get(self.object_name)
         if obj is None or obj.session_uid != self.session_uid:
             raise ObjectGone(f"'{self.object_name}' is gone")
@@ -256,10 +257,9 @@ class SceneCutout:
         rest32 = stored[used]
         rest = rest32.astype(np.float64)
         known = np.isfinite(rest).all(axis=1)
-        if not self._has_keys:
-            known &= ~copied_along_edges(rest32, shown, triangles, SAME_PLACE * diagonal_of(shown))
-            if owners is not None:
-                self._take_in_parts(rest, owners[used], shown, parts, known)
+        known &= ~copied_along_edges(rest32, shown, triangles, SAME_PLACE * diagonal_of(shown))
+        if owners is not None:
+            self._take_in_parts(rest, owners[used], shown, parts, known)
         changed = not known.all() or not np.array_equal(rest, rest32)
         if not known.any():
             rest, known = shown.copy(), np.ones(len(used), bool)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from .. import native
 from ..model.frame import Indices
@@ -108,7 +109,7 @@ def unreached(obj: bpy.types.Object, index: int) -> float:
     pin = obj.planar.pins[index]
     if not pin.has_target:
         return 0.0
-    gap = obj.matrix_world.to_3x3() @ (pin.target - pin.reached)
+    gap = obj.matrix_world.to_3x3() @ (Vector(pin.target) - Vector(pin.reached))
     return float(gap.length)
 
 

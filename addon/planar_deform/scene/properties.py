@@ -68,8 +68,8 @@ class PlanarSettings(bpy.types.PropertyGroup):
     pin_weight: FloatProperty(
         name="Pin Weight",
         description="How strongly pins hold against the drawing's stiffness",
-        default=1.0,
-        min=1e-4,
+        default=100.0,  # as the native Poser's own
+        min=1e-2,
         soft_max=1e4,
     )
     show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Enabling and disabling the add-on leaves Blender as it was; errors on the way are not swallowed."""
+
+import bpy
+import pytest
+from support import bar
+
+
+def registered():
+    """Names in bpy.types and handlers that could be ours."""
+    handlers = [
+        function.__module__
+        for name in dir(bpy.app.handlers)
+        if isinstance(functions := getattr(bpy.app.handlers, name), list)
+        for function in functions
+    ]
+    types = {name for name in dir(bpy.types) if name.startswith(("PLANAR_", "Planar"))}
+    return types, [module for module in handlers if module.startswith("planar_deform")]
+
+
+@pytest.fixture
+def _registered_again():
+    import planar_deform
+
+    yield
+    planar_deform.unregister()
+    planar_deform.register()
+
+
+@pytest.mark.usefixtures("_registered_again")
+def test_unregistering_leaves_nothing_and_registering_again_works():
+    import planar_deform
+
+    planar_deform.unregister()
+    assert registered() == (set(), [])
+    assert not hasattr(bpy.types.Object, "planar")
+    assert "PLANAR_OT_add_pin" not in dir(bpy.types)
+    planar_deform.register()
+    bar()
+    assert bpy.ops.planar.add_pin(location=(0.5, 0.5, 0)) == {"FINISHED"}
+
+
+@pytest.mark.usefixtures("_registered_again")
+def test_an_error_while_registering_undoes_the_rest_and_is_passed_on(monkeypatch):
+    import planar_deform
+    from planar_deform.scene import follow
+
+    planar_deform.unregister()
+
+    def fail():
+        raise RuntimeError("no room")
+
+    monkeypatch.setattr(follow, "register", fail)
+    with pytest.raises(RuntimeError, match="no room"):
+        planar_deform.register()
+    assert registered() == (set(), [])
+    monkeypatch.undo()
+    planar_deform.register()
+
+
+def test_every_operator_has_a_description_and_a_tidy_label():
+    for name in dir(bpy.ops.planar):
+        rna = getattr(bpy.ops.planar, name).get_rna_type()
+        assert rna.description
+        assert not rna.description.endswith(".")
+        small = {"from", "to", "in", "the", "of"}
+        assert all(word[0].isupper() or word in small for word in rna.name.split())
