@@ -290,10 +290,8 @@ class SceneCutout:
     ) -> None:
         """Bring the rest of joined and duplicated parts to where they are; what has no owner is not known."""
         known &= owners != 0
-        owned = np.flatnonzero(owners)
-        if not len(owned):
-            return
-        foreign = np.unique(parts[(owners != owners[owned[0]]) & known])
+        # New and joined vertices come last, so the first one is the mesh's own, even if it has no rest yet.
+        foreign = np.unique(parts[(owners != owners[0]) & known])
         copies = copied_parts(rest, parts)
         for part in {*foreign.tolist(), *copies}:
             rows = np.flatnonzero((parts == part) & known)

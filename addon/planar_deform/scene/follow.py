@@ -19,9 +19,11 @@ def follow_edits(scene, depsgraph):
         obj = update.id.original
         if not isinstance(obj, bpy.types.Object) or obj.type != "MESH" or not obj.planar.pins:
             continue
-        if obj.library is None and obj.mode == "OBJECT":
+        if obj.library is not None:
+            continue
+        if obj.mode == "OBJECT":
             sync(obj)
-        elif update.is_updated_geometry and obj.planar.flipped >= 0:
+        elif obj.mode == "EDIT" and update.is_updated_geometry and obj.planar.flipped >= 0:
             obj.planar.flipped = -1
 
 
