@@ -3,42 +3,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import bpy
 
 from .model import solver_cache
-from .operators import pins, rest
-from .scene import follow, properties
+from .operators import click, drag, pins, rest
+from .scene import follow, properties, snapshot
+from .ui import gizmos, overlay, panel, tool
 
-# Modules with CLASSES, and register() and unregister() where classes are not all: those run after the classes
-# are in.
-MODULES = (properties, pins, rest, follow)
+# Each has CLASSES, and register() and unregister() where classes are not all; those run with the classes in.
+MODULES = (properties, pins, rest, drag, click, follow, snapshot, gizmos, tool, overlay, panel)
+
+
+_undo: list[Callable[[], None]] = []
 
 
 def register() -> None:
     """Register all modules; an error undoes what was done and is passed on."""
-    done = []
     try:
         for module in MODULES:
-            done.append(module)
             for cls in module.CLASSES:
                 bpy.utils.register_class(cls)
+                _undo.append(partial(bpy.utils.unregister_class, cls))
             if hasattr(module, "register"):
                 module.register()
+                _undo.append(module.unregister)
     except Exception:
-        _undo(done)
+        unregister()
         raise
 
 
 def unregister() -> None:
     """Leave nothing behind."""
-    _undo(list(MODULES))
+    while _undo:
+        _undo.pop()()
     solver_cache.clear()
-
-
-def _undo(modules: list) -> None:
-    for module in reversed(modules):
-        if hasattr(module, "unregister"):
-            module.unregister()
-        for cls in reversed(module.CLASSES):
-            if cls.is_registered:
-                bpy.utils.unregister_class(cls)

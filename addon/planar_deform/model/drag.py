@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The state of a drag: how mouse, Shift, axis locks and typed numbers make an offset or a turn.
 
-States are values: each event gives a new one. Points are where the mouse is in the cutout's plane (world lengths), so
-the view is not known here. Offset and turn count from an anchor, not from the last event: a mouse that returns to
-where it was gives what there was, however many events lie between. The anchor moves, and what was reached is kept,
-when the same mouse position starts to mean something else: Shift is pressed or released, or the view has changed.
+States are values: each event gives a new one. Points are where the mouse is in the cutout's plane (world
+lengths), so the view is not known here. Offset and turn count from an anchor, not from the last event: a
+mouse that returns to where it was gives what there was, however many events lie between. The anchor moves,
+and what was reached is kept, when the same mouse position starts to mean something else: Shift is pressed or
+released, or the view has changed.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ class Drag:
     def sample(self) -> Sample:
         """(du, dv, angle) since the start: world lengths along the plane's axes, and radians."""
         if self.mode == "ROTATE":
-            return (0.0, 0.0, math.radians(self.numeric.values[0]) if self.numeric.active else self._by_mouse[2])
+            return (0.0, 0.0, math.radians(self.numeric.values[0])) if self.numeric.active else self._by_mouse
         if self.numeric.active:
             values = self.numeric.values
             if not self.lock:

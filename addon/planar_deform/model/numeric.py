@@ -23,7 +23,7 @@ KEYS: dict[str, str] = {
 
 @dataclass(frozen=True)
 class Numeric:
-    """What has been typed so far. `fields` holds one text per number; nothing typed at all means that the mouse rules."""
+    """What has been typed so far: a text for each number. As long as all are empty, the mouse rules."""
 
     fields: tuple[str, ...]
     current: int = 0
@@ -39,8 +39,11 @@ class Numeric:
         return tuple(float(text) if any(c.isdigit() for c in text) else 0.0 for text in self.fields)
 
     def typed(self, key: str) -> Numeric:
-        """After one of the right-hand sides of KEYS. '-' turns the sign round wherever it is typed; the field after
-        the last one is the first; erasing an empty field goes back to the one before."""
+        """After one of the right-hand sides of KEYS.
+
+        '-' turns the sign round wherever it is typed; the field after the last one is the first; erasing an
+        empty field goes back to the one before.
+        """
         text = self.fields[self.current]
         if key == "NEXT":
             return replace(self, current=(self.current + 1) % len(self.fields))

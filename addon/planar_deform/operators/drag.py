@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Moving and turning pins: by mouse and keys, from a script, and again from the redo panel."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import contextlib
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+
+from .. import native
+from ..model.drag import Drag, Mode, Point
+from ..model.posing import Sample, carried_path
+from ..scene import snapshot
+from ..scene.access import ObjectGone, Refusal, pose_refusal
+from .action import SceneAction
+
+EDGE_ON = "The drawing is seen edge-on here: turn the view first"
+# Events that drive the view, and those that are nobody's: they go on to Blender.
+PASSED_ON = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "NDOF", "MOUSEROTATE", "MOUSESMARTZOOM", "TIMER", "WINDOW")
+CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
+HIDDEN = {"HIDDEN", "SKIP_SAVE"}
+
+
+def pack_path(path: list[Sample]) -> str:
+    """Samples, which are float32 already, as text for a property."""
+    return base64.b64encode(np.asarray(path, "<f4").tobytes()).decode("ascii")
+
+
+def unpack_path(text: str) -> list[Sample]:
+    """The samples of `pack_path`. Raises Refusal if the text is anything else."""
+    try:
+        samples = np.frombuffer(base64.b64decode(text, validate=True), "<f4").reshape(-1, 3)
+    except (binascii.Error, ValueError) as error:
+        raise Refusal("The path is not one that a drag recorded: leave it empty") from error
+    if not np.isfinite(samples).all():
+        raise Refusal("The path is not one that a drag recorded: leave it empty")
+    return [(float(du), float(dv), float(angle)) for du, dv, angle in samples]
+
+
+class PinTransform:
+    """What moving and turning share. A subclass names its mode and keeps its result in properties."""
+
+    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR"}
+    mode: Mode
+
+    pin: IntProperty(
+        name="Pin",
+        description="Pin that is pressed: it is selected first, unless it is already; none if negative",
+        default=-1,
+        min=-1,
+        options=HIDDEN,
+    )
+    extend: BoolProperty(
+        name="Extend", description="Keep the other pins selected when one is pressed", options=HIDDEN
+    )
+    path: StringProperty(name="Path", description="Way the mouse took, as recorded by a drag", options=HIDDEN)
+    letters: StringProperty(default="XY", options=HIDDEN)  # names of the plane's axes, for the redo panel
+
+    @classmethod
+    def poll(cls, context):
+        reason = pose_refusal(context.object)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        try:
+            action = SceneAction(context, self.pin, self.extend)
+            try:
+                action.run(self.edited(unpack_path(self.path)))
+                action.keep()
+            except (Refusal, native.SolveError):
+                action.cancel()
+                raise
+        except (Refusal, native.SolveError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.letters = "".join(action.scene.frame.letters)
+        return {"FINISHED"}
+
+    # ---- by mouse and keys
+
+    def invoke(self, context, event):
+        if context.region_data is None:
+            self.report({"ERROR"}, "Pins are dragged in a 3D view: move the mouse over one")
+            return {"CANCELLED"}
+        pressed = self.pin >= 0
+        self.extend = pressed and event.shift
+        try:
+            self._action = SceneAction(context, self.pin, self.extend)
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
+        self._view = _view_of(context)
+        self._press = (event.mouse_x, event.mouse_y) if pressed else None
+        self._drag = None
+        point = self._point(context, event)
+        try:
+            if point is None:
+                raise Refusal(EDGE_ON)
+            if not pressed:
+                self._begin(point)
+        except Refusal as refusal:
+            if not pressed:
+                self.report({"WARNING"}, str(refusal))
+                self._action.cancel()
+                return {"CANCELLED"}
+        self._from = point
+        context.window.cursor_modal_set("SCROLL_XY")
+        locks = (
+            f"   {' or '.join(self._action.scene.frame.letters)}: Lock Axis" if self.mode == "MOVE" else ""
+        )
+        context.workspace.status_text_set(
+            f"LMB or Enter: Confirm   Esc or RMB: Cancel   Shift: Precise{locks}   Digits: Type the Value"
+        )
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        try:
+            if not self._action.scene.resolve().visible_get():
+                return self._cancel(context)
+            return self._handle(context, event)
+        except ObjectGone:
+            self._leave(context)
+            return {"CANCELLED"}
+        except (Refusal, native.SolveError) as error:
+            self.report({"ERROR"}, str(error))
+            return self._cancel(context)
+
+    def cancel(self, context):
+        """Blender ends the operator itself: another file is loaded, the window closes."""
+        self._cancel(context)
+
+    def _handle(self, context, event):
+        pressed = event.value == "PRESS"
+        if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
+            return self._cancel(context)
+        if event.type == "LEFTMOUSE" and (pressed or (event.value == "RELEASE" and self._press is not None)):
+            return self._confirm(context)
+        if event.type in CONFIRM and pressed:
+            return self._confirm(context)
+        if event.type.startswith(PASSED_ON):
+            return {"PASS_THROUGH"}
+        if self._drag is None and not self._dragged(context, event):
+            return {"RUNNING_MODAL"}
+        drag = self._drag.with_precision(event.shift)
+        if event.type == "MOUSEMOVE":
+            drag = self._moved(context, event, drag)
+        elif pressed and not (event.is_repeat and event.type in drag.letters):
+            drag = drag.pressed(event.type) or drag
+        if drag.sample != self._drag.sample:
+            self._action.move(drag.sample)
+        if drag.text != self._drag.text and context.area is not None:
+            context.area.header_text_set(drag.text)
+        self._drag = drag
+        return {"RUNNING_MODAL"}
+
+    def _dragged(self, context, event):
+        """Whether a pressed pin is being dragged by now and not just clicked; starts the drag then."""
+        far = context.preferences.inputs.drag_threshold_mouse * context.preferences.system.ui_scale
+        x, y = self._press
+        if event.type != "MOUSEMOVE" or max(abs(event.mouse_x - x), abs(event.mouse_y - y)) < far:
+            return False
+        if self._from is None:
+            raise Refusal(EDGE_ON)
+        self._begin(self._from)
+        return True
+
+    def _begin(self, point: Point) -> None:
+        x, y = self._action.pose.pivot.tolist()
+        self._drag = Drag.begin(self.mode, self._action.scene.frame.letters, (x, y), point)
+
+    def _moved(self, context, event, drag):
+        point = self._point(context, event)
+        if point is None:  # the mouse is beyond the horizon of the plane, or over another editor
+            return drag
+        view = _view_of(context)
+        if view != self._view:
+            self._view = view
+            return drag.seen_from_elsewhere(point)
+        return drag.moved(point)
+
+    def _point(self, context, event) -> Point | None:
+        """Where the mouse is in the plane of the pins; None where the plane is edge-on."""
+        region, view = context.region, context.region_data
+        if region is None or view is None:
+            return None
+        mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
+        origin = np.array(region_2d_to_origin_3d(region, view, mouse), dtype=np.float64)
+        direction = np.array(region_2d_to_vector_3d(region, view, mouse), dtype=np.float64)
+        point = self._action.scene.plane_from_ray(origin, direction, self._action.part())
+        return None if point is None else (float(point[0]), float(point[1]))
+
+    def _confirm(self, context):
+        if self._drag is None:
+            changed = self._action.click()
+            self._leave(context)
+            if changed:  # nothing was posed, so this is a step of its own, of another name
+                bpy.ops.ed.undo_push(message="Select Pins")
+            return {"CANCELLED"}
+        path = self._action.pose.path
+        if not path:
+            return self._cancel(context)
+        self._action.keep()
+        self.path, self.letters = pack_path(path), "".join(self._drag.letters)
+        self.keep_result(path[-1])
+        self._leave(context)
+        return {"FINISHED"}
+
+    def _cancel(self, context):
+        self._leave(context)
+        with contextlib.suppress(ObjectGone):  # then there is nothing to put back
+            self._action.cancel()
+        return {"CANCELLED"}
+
+    def _leave(self, context):
+        """Take back everything that showed that a drag was on."""
+        snapshot.release()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        if context.window is not None:
+            context.window.cursor_modal_restore()
+            for area in context.window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.header_text_set(None)
+
+
+def _view_of(context) -> tuple[float, ...]:
+    """Equal as long as the same mouse position means the same place."""
+    matrix = context.region_data.perspective_matrix if context.region_data else ()
+    return tuple(value for row in matrix for value in row)
+
+
+class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
+    bl_idname = "planar.drag_pins"
+    bl_label = "Move Pins"
+    bl_description = "Move the selected pins; the drawing follows"
+
+    mode = "MOVE"
+    offset: FloatVectorProperty(
+        name="Offset",
+        description="Offset of the pins along the two axes of the drawing's plane, in world units",
+        size=2,
+        options={"SKIP_SAVE"},
+    )
+
+    def edited(self, path: list[Sample]) -> list[Sample]:
+        return carried_path(path, offset=tuple(self.offset))
+
+    def keep_result(self, sample: Sample) -> None:
+        self.offset = sample[:2]
+
+    def draw(self, context):
+        column = self.layout.column(align=True)
+        column.use_property_split = True
+        for index, letter in enumerate(self.letters[:2]):
+            column.prop(self, "offset", index=index, text=f"Offset {letter}" if index == 0 else letter)
+
+
+class PLANAR_OT_rotate_pins(PinTransform, bpy.types.Operator):
+    bl_idname = "planar.rotate_pins"
+    bl_label = "Turn Pins"
+    bl_description = "Turn the selected pins about their centre, patches with the drawing they hold"
+
+    mode = "ROTATE"
+    angle: FloatProperty(
+        name="Angle",
+        description="Turn of the pins, counter-clockwise in the drawing's plane",
+        subtype="ANGLE",
+        unit="ROTATION",
+        options={"SKIP_SAVE"},
+    )
+
+    def edited(self, path: list[Sample]) -> list[Sample]:
+        return carried_path(path, angle=self.angle)
+
+    def keep_result(self, sample: Sample) -> None:
+        self.angle = sample[2]
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop(self, "angle")
+
+
+CLASSES = (PLANAR_OT_drag_pins, PLANAR_OT_rotate_pins)

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the active object's pins and edges are in the world, for drawing and for what is under the mouse.
+
+Reading a mesh takes milliseconds, so it is done once and kept until Blender says that something has changed.
+While a drag is on, the drag itself tells where everything is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from ..model.frame import Array
+from ..model.pins import Holder
+from ..model.posing import PinResult
+from .access import Refusal, SceneCutout, read_cutout
+from .pins import model_pins
+
+CLASSES = ()
+
+
+@dataclass(frozen=True)
+class PinPlace:
+    """A pin that can be drawn."""
+
+    key: int  # its index in the object's list
+    place: Array  # (3,) in the world
+    target: Array  # (3,) where it was asked to be; equal to place when it is there
+    turned: Array  # (3,) the direction in the world that was u at rest, turned with the pin
+    across: Array  # (3,) the same for v
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What there is to draw of one object."""
+
+    pins: tuple[PinPlace, ...]
+    points: Array  # n x 3 world positions of the cutout's vertices; none unless the mesh is shown
+    edges: Array  # e x 2 indices into them
+
+    def pin(self, key: int) -> PinPlace | None:
+        """The pin with this index, None if it has no place (its group is missing or empty)."""
+        return next((pin for pin in self.pins if pin.key == key), None)
+
+
+@dataclass(frozen=True)
+class _Kept:
+    signature: tuple
+    snapshot: Snapshot
+
+
+_kept: _Kept | None = None
+_followed: tuple[str, int] | None = None  # the object that a drag is telling about
+
+
+def of_active(context: bpy.types.Context) -> Snapshot | None:
+    """The active object's snapshot; None if it has no pins or cannot be posed. Changes no data."""
+    global _kept
+    obj = context.object
+    if obj is None or obj.type != "MESH" or not obj.planar.pins:
+        return None
+    if _followed == (obj.name, obj.session_uid) and _kept is not None:
+        return _kept.snapshot
+    signature = _signature(obj)
+    if _kept is None or _kept.signature != signature:
+        try:
+            scene = read_cutout(obj)
+        except Refusal:
+            return None
+        holders = [Holder(pin, scene.cutout) for pin in model_pins(obj, scene)]
+        results = []
+        for holder in holders:
+            place = holder.place(scene.positions)
+            target = place if holder.pin.target is None else holder.pin.target
+            angle = holder.fitted_angle(scene.positions) if holder.pin.kind == "PATCH" else 0.0
+            results.append(PinResult(holder.pin.key, holder.part, target, place, angle))
+        edges = _edges(obj, scene) if obj.planar.show_mesh else np.empty((0, 2), np.int32)
+        _kept = _Kept(signature, _snapshot(scene, scene.positions, results, edges))
+    return _kept.snapshot
+
+
+def follow(scene: SceneCutout, positions: Array, results: Iterable[PinResult]) -> None:
+    """A drag is on: show this until `release`, whatever Blender's updates say."""
+    global _kept, _followed
+    _followed = (scene.object_name, scene.session_uid)
+    edges = np.empty((0, 2), np.int32) if _kept is None else _kept.snapshot.edges
+    _kept = _Kept((), _snapshot(scene, positions, results, edges))
+
+
+def release() -> None:
+    """The drag is over: what is shown is read again."""
+    global _followed
+    _followed = None
+    forget()
+
+
+def forget() -> None:
+    """Read again when it is next asked for."""
+    global _kept
+    _kept = None
+
+
+def _signature(obj: bpy.types.Object) -> tuple:
+    """All that a snapshot depends on and of whose changes Blender does not tell."""
+    pins = tuple((pin.group, pin.kind, pin.has_target, tuple(pin.target)) for pin in obj.planar.pins)
+    return obj.name, obj.session_uid, obj.mode, obj.planar.show_mesh, pins
+
+
+def _edges(obj: bpy.types.Object, scene: SceneCutout) -> Array:
+    """The mesh's own edges, e x 2 in the cutout's indices, without loose ones."""
+    pairs = np.empty(len(obj.data.edges) * 2, np.int32)
+    obj.data.edges.foreach_get("vertices", pairs)
+    rows = np.full(len(obj.data.vertices), -1, np.int32)
+    rows[scene.vertex_indices] = np.arange(len(scene.vertex_indices), dtype=np.int32)
+    edges = rows[pairs.reshape(-1, 2)]
+    return edges[(edges >= 0).all(axis=1)]
+
+
+def _snapshot(scene: SceneCutout, positions: Array, results: Iterable[PinResult], edges: Array) -> Snapshot:
+    pins = []
+    for result in results:
+        part = np.array([result.part, result.part], np.int32)
+        place, target = scene.to_world(np.array([result.reached, result.target]), part)
+        c, s = np.cos(result.angle), np.sin(result.angle)
+        turned, across = scene.frame.lift(np.array([[c, s], [-s, c]]))
+        pins.append(PinPlace(result.key, place, target, turned, across))
+    points = scene.to_world(positions, scene.cutout.parts) if len(edges) else np.empty((0, 3))
+    return Snapshot(tuple(pins), points, edges)
+
+
+@persistent
+def _on_update(_scene, depsgraph):
+    if _kept is not None and any(
+        isinstance(update.id, bpy.types.Object | bpy.types.Mesh | bpy.types.Key)
+        for update in depsgraph.updates
+    ):
+        _on_change()
+
+
+@persistent
+def _on_change(*_):
+    if _followed is None:
+        forget()
+
+
+@persistent
+def _on_load(*_):
+    release()
+
+
+_HANDLERS = {
+    "depsgraph_update_post": _on_update,
+    "frame_change_post": _on_change,
+    "undo_post": _on_change,
+    "redo_post": _on_change,
+    "load_pre": _on_load,
+}
+
+
+def register() -> None:
+    """Listen to what changes."""
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    """Stop listening."""
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)
+    release()

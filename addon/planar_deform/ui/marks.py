@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The marks that stand for pins, drawn in pixels: a disc is a point, a square that turns is a patch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix, Vector
+
+RADIUS = 6.0  # pixels at a UI scale of 1, as all lengths here
+OUTLINE = 2.0
+
+# Light, dark-rimmed marks read on any drawing; selected ones have the orange that Blender's selections have.
+PLAIN = (0.90, 0.91, 0.93, 1.0)
+SELECTED = (1.0, 0.55, 0.08, 1.0)
+OFF = (0.45, 0.45, 0.47, 0.55)
+RIM = (0.04, 0.04, 0.05, 0.95)
+LIT = (1.0, 1.0, 1.0, 1.0)
+MISSED = (1.0, 0.22, 0.20, 1.0)
+
+_TURNS = 32
+_CIRCLE = [(math.cos(math.tau * i / _TURNS), math.sin(math.tau * i / _TURNS)) for i in range(_TURNS)]
+_SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+_batches: dict[str, gpu.types.GPUBatch] = {}
+
+
+@contextmanager
+def pixels(region: bpy.types.Region) -> Iterator[None]:
+    """Draw in the region's pixels, blended."""
+    w, h = region.width, region.height
+    to_clip = Matrix(((2 / w, 0, 0, -1), (0, 2 / h, 0, -1), (0, 0, -1, 0), (0, 0, 0, 1)))
+    with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+        gpu.matrix.load_matrix(Matrix())
+        gpu.matrix.load_projection_matrix(to_clip)
+        gpu.state.blend_set("ALPHA")
+        try:
+            yield
+        finally:
+            gpu.state.blend_set("NONE")
+
+
+def draw_point(centre: Vector, scale: float, fill: tuple, *, lit: bool, active: bool) -> None:
+    """A point pin."""
+    radius = RADIUS * scale
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((centre.x, centre.y))
+        _shape("disc", _CIRCLE, radius, fill)
+        _rim("circle", _CIRCLE, radius, scale, lit)
+        if active:
+            _shape("disc", _CIRCLE, radius * 0.36, RIM)
+
+
+def draw_patch(centre: Vector, turned: Vector, scale: float, fill: tuple, *, lit: bool, active: bool) -> None:
+    """A patch pin, turned so that its handle points along `turned`."""
+    radius = RADIUS * scale
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((centre.x, centre.y))
+        gpu.matrix.multiply_matrix(Matrix.Rotation(math.atan2(turned.y, turned.x), 4, "Z"))
+        handle = [(radius, 0.0), (radius * 2.4, 0.0)]
+        _line(handle, RIM, 2.0 * OUTLINE * scale)
+        _line(handle, LIT if lit else fill, OUTLINE * scale)
+        _shape("box", _SQUARE, radius * 0.92, fill)
+        _rim("square", _SQUARE, radius * 0.92, scale, lit)
+        if active:
+            _shape("disc", _CIRCLE, radius * 0.36, RIM)
+
+
+def draw_gap(place: Vector, target: Vector, scale: float) -> None:
+    """From where a pin is to where it was asked to be."""
+    line = [tuple(place), tuple(target)]
+    _line(line, RIM, 2.0 * OUTLINE * scale)
+    _line(line, MISSED, OUTLINE * scale)
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((target.x, target.y))
+        _outline("circle", _CIRCLE, RADIUS * 0.6 * scale, RIM, 2.0 * OUTLINE * scale)
+        _outline("circle", _CIRCLE, RADIUS * 0.6 * scale, MISSED, OUTLINE * scale)
+
+
+def forget() -> None:
+    """Drop what was made for the graphics card."""
+    _batches.clear()
+
+
+def _rim(name: str, corners: list, radius: float, scale: float, lit: bool) -> None:
+    if lit:
+        _outline(name, corners, radius + 1.5 * scale, RIM, 2.5 * OUTLINE * scale)
+        _outline(name, corners, radius + 0.5 * scale, LIT, 1.25 * OUTLINE * scale)
+    else:
+        _outline(name, corners, radius, RIM, OUTLINE * scale)
+
+
+def _shape(name: str, corners: list, radius: float, color: tuple) -> None:
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    if name not in _batches:
+        triangles = [(0, i, i + 1) for i in range(1, len(corners) - 1)]
+        _batches[name] = batch_for_shader(shader, "TRIS", {"pos": corners}, indices=triangles)
+    shader.bind()
+    shader.uniform_float("color", color)
+    with gpu.matrix.push_pop():
+        gpu.matrix.scale_uniform(radius)
+        _batches[name].draw(shader)
+
+
+def _outline(name: str, corners: list, radius: float, color: tuple, width: float) -> None:
+    shader = _pen(color, width)
+    if name not in _batches:
+        _batches[name] = batch_for_shader(shader, "LINE_STRIP", {"pos": [*corners, corners[0], corners[1]]})
+    with gpu.matrix.push_pop():
+        gpu.matrix.scale_uniform(radius)
+        _batches[name].draw(shader)
+
+
+def _line(points: list, color: tuple, width: float) -> None:
+    shader = _pen(color, width)
+    batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+
+
+def _pen(color: tuple, width: float) -> gpu.types.GPUShader:
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.bind()
+    shader.uniform_float("color", color)
+    shader.uniform_float("lineWidth", width)
+    shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    return shader

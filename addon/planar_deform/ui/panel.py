@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidebar tab "Planar"."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..scene import modifiers, pins, snapshot
+from ..scene.access import pose_refusal
+
+KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
+# Relative to the reach of the eye: pins are soft, and a gap far below a line's width is none.
+SHOWN_GAP = 1e-4
+
+
+class PLANAR_UL_pins(bpy.types.UIList):
+    bl_idname = "PLANAR_UL_pins"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_propname, index):
+        obj = context.object
+        row = layout.row(align=True)
+        row.active = item.enabled
+        row.prop(item, "select", text="", emboss=False, icon="RADIOBUT_ON" if item.select else "RADIOBUT_OFF")
+        row.prop(item, "name", text="", emboss=False, icon=KIND_ICONS[item.kind])
+        if item.group not in obj.vertex_groups:
+            row.label(text="no group", icon="ERROR")
+        elif (seen := snapshot.of_active(context)) is not None and seen.pin(index) is None:
+            row.label(text="empty", icon="ERROR")
+        row.prop(item, "enabled", text="", emboss=False, icon="PINNED" if item.enabled else "UNPINNED")
+
+
+class PlanarPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Planar"
+
+
+class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
+    bl_label = "Pins"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = context.object
+        reason = pose_refusal(obj)
+        if reason is not None:
+            _lines(layout, reason, "INFO", context)
+        if obj is None or obj.type != "MESH":
+            return
+        settings = obj.planar
+        row = layout.row()
+        row.template_list("PLANAR_UL_pins", "", settings, "pins", settings, "active_pin", rows=4)
+        column = row.column(align=True)
+        column.menu("PLANAR_MT_add_pins", text="", icon="ADD")
+        column.operator("planar.remove_pins", text="", icon="REMOVE")
+        if 0 <= settings.active_pin < len(settings.pins):
+            _draw_pin(layout, obj, settings.pins[settings.active_pin], settings.active_pin)
+
+
+class PLANAR_MT_add_pins(bpy.types.Menu):
+    bl_label = "Add Pins"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.label(text="Ctrl-Click the Mesh in the Pose Tool, or:")
+        layout.operator("planar.add_pins_from_selected", text="Point per Selected Vertex").kind = "POINT"
+        layout.operator("planar.add_pins_from_selected", text="Patch on Selected Vertices").kind = "PATCH"
+        layout.separator()
+        layout.operator("planar.add_pin_from_group", text="Point on Active Vertex Group").kind = "POINT"
+        layout.operator("planar.add_pin_from_group", text="Patch on Active Vertex Group").kind = "PATCH"
+        layout.separator()
+        layout.operator("planar.add_pins_from_all_groups", text="Points on All Vertex Groups").kind = "POINT"
+        layout.operator("planar.add_pins_from_all_groups", text="Patches on All Vertex Groups").kind = "PATCH"
+
+
+class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
+    bl_label = "Pose"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type == "MESH"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        obj = context.object
+        settings = obj.planar
+        column = layout.column()
+        column.prop(settings, "method")
+        column.prop(settings, "pin_weight")
+        column.prop(settings, "show_mesh")
+        row = layout.row(align=True)
+        row.operator("planar.reset_to_rest")
+        row.operator("planar.set_rest_to_current")
+        shifting = modifiers.shifting(obj)
+        if shifting:
+            names = ", ".join(shifting)
+            text = f"Pins are shown without {names}: the drawing may be seen elsewhere"
+            _lines(layout, text, "INFO", context)
+
+
+class PLANAR_PT_distortion(PlanarPanel, bpy.types.Panel):
+    bl_label = "Distortion"
+    bl_parent_id = "PLANAR_PT_pose"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.object.planar
+        if settings.flipped < 0:
+            layout.label(text="Measured when pins are moved")
+            return
+        split = layout.split(factor=0.5)
+        names, values = split.column(align=True), split.column(align=True)
+        for name, value in (
+            ("Area", f"{settings.area_distortion:.3f}  (2 is none)"),
+            ("Angle", f"{settings.angle_distortion:.3f}  (2 is none)"),
+            ("Flipped", f"{settings.flipped}  triangle{'' if settings.flipped == 1 else 's'}"),
+        ):
+            names.label(text=name)
+            values.label(text=value)
+        names.alignment = "RIGHT"
+
+
+def _draw_pin(layout, obj, pin, index):
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    column.prop(pin, "kind")
+    column.prop_search(pin, "group", obj, "vertex_groups", text="Group")
+    column.prop(pin, "weight")
+    if pin.kind == "PATCH":
+        row = column.row()
+        row.enabled = False
+        row.prop(pin, "angle")
+    gap = pins.unreached(obj, index)
+    if gap > SHOWN_GAP * max(obj.dimensions):
+        column.label(text=f"{gap:.4g} from where it was asked to be", icon="ERROR")
+
+
+def _lines(layout, text, icon, context):
+    """A message as wide as the sidebar."""
+    width = max(12, int(context.region.width / (7.0 * context.preferences.system.ui_scale)) - 4)
+    words, lines = text.split(), [""]
+    for word in words:
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    column = layout.column(align=True)
+    for number, line in enumerate(lines):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1")
+
+
+CLASSES = (PLANAR_UL_pins, PLANAR_MT_add_pins, PLANAR_PT_pins, PLANAR_PT_pose, PLANAR_PT_distortion)

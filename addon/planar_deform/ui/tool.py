@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Pose tool in the toolbar, with its keys."""
+
+from __future__ import annotations
+
+import bpy
+
+from .gizmos import PLANAR_GGT_pins
+from .tool_state import TOOL
+
+CLASSES = ()
+
+
+def _key(operator: str, key: str, *, properties: list | None = None, **modifiers: bool) -> tuple:
+    event = {"type": key, "value": "PRESS", **modifiers}
+    return operator, event, {"properties": properties} if properties else None
+
+
+class PoseTool(bpy.types.WorkSpaceTool):
+    bl_space_type = "VIEW_3D"
+    bl_context_mode = "OBJECT"
+    bl_idname = TOOL
+    bl_label = "Pose Cutout"
+    bl_description = (
+        "Drag pins; the drawing follows.\n"
+        "• Click selects a pin, Shift-click adds to the selection.\n"
+        "• Ctrl-click adds a pin to the active mesh.\n"
+        "• G moves, R turns, X removes the selected pins"
+    )
+    bl_icon = "ops.pose.push"
+    bl_widget = PLANAR_GGT_pins.bl_idname
+    # A key whose operator does not apply would go on to Blender's own, which moves or deletes the whole
+    # object: planar.refuse stands behind each of them and says why nothing happens.
+    bl_keymap = (
+        _key("planar.click", "LEFTMOUSE"),
+        _key("planar.click", "LEFTMOUSE", shift=True, properties=[("extend", True)]),
+        _key("planar.click", "LEFTMOUSE", ctrl=True, properties=[("add", True)]),
+        _key("planar.drag_pins", "G"),
+        _key("planar.refuse", "G"),
+        _key("planar.rotate_pins", "R"),
+        _key("planar.refuse", "R"),
+        _key("planar.remove_pins", "X"),
+        _key("planar.refuse", "X"),
+        _key("planar.remove_pins", "DEL"),
+        _key("planar.refuse", "DEL"),
+        _key("planar.select_pins", "A", properties=[("action", "ALL")]),
+        _key("planar.select_pins", "A", alt=True, properties=[("action", "NONE")]),
+        _key("planar.select_pins", "I", ctrl=True, properties=[("action", "INVERT")]),
+    )
+
+    @staticmethod
+    def draw_settings(context, layout, _tool):
+        obj = context.object
+        if obj is not None and obj.type == "MESH":
+            layout.prop(obj.planar, "method", text="")
+            layout.prop(obj.planar, "pin_weight")
+            layout.prop(obj.planar, "show_mesh")
+
+
+def register() -> None:
+    bpy.utils.register_tool(PoseTool, after={"builtin.transform"}, separator=True)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_tool(PoseTool)
