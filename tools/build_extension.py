@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on with wheels of the module that bring their libraries along.
+"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on and wheels of the module with their libraries.
 
-A wheel is built for the Python that runs this and for each whose headers are in HEADERS/cpXY (tools/python_headers.py).
+A wheel is built for each Python whose headers are in HEADERS/cpXY (tools/python_headers.py), unless the last
+one is still up to date.
 
 usage: build_extension.py HEADERS
 """
 
+import hashlib
+import json
 import os
 import re
 import shutil
@@ -21,15 +24,18 @@ ADDON = PROJECT / "addon" / "planar_deform"
 BUILD = PROJECT / "build" / "extension"
 PLATFORM = "linux-x64"
 NO_WHEELS = "wheels = []"
+# Of the BLAS libraries that may be installed side by side, the one that two threads can call at once
+# (Debian's serial build corrupts its buffers then); we switch its own threads off.
+BLAS = "/usr/lib/x86_64-linux-gnu/openblas-pthread"
 
 
-def run(*command: str | Path, **environment: str) -> str:
-    """Run a command of this environment and return what it printed; on failure show that and stop."""
+def run(*command: str | Path) -> None:
+    """Run a command of this environment; if it fails, show what it printed and stop."""
     search = f"{Path(sys.executable).parent}:/usr/bin:/bin"
     result = subprocess.run(
         [sys.executable, "-m", *command],
         cwd=PROJECT,
-        env={**os.environ, "PATH": search, **environment},
+        env={**os.environ, "PATH": search, "LD_LIBRARY_PATH": BLAS},
         text=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -37,34 +43,55 @@ def run(*command: str | Path, **environment: str) -> str:
     )
     if result.returncode:
         sys.exit(f"{result.stdout}\n{' '.join(map(str, command))}: failed")
-    return result.stdout
 
 
-def newest(folder: Path) -> Path:
+def only_wheel(folder: Path) -> Path:
     (wheel,) = folder.glob("*.whl")
     return wheel
 
 
-def build_wheel(tag: str, headers: Path | None) -> Path:
-    """A repaired wheel for CPython `tag`; headers of None: the Python that runs this."""
+def fingerprint(headers: Path) -> str:
+    """Changes with anything that a wheel is made from."""
+    sources = [PROJECT / "CMakeLists.txt", PROJECT / "pyproject.toml", Path(__file__)]
+    for folder in (PROJECT / "native", PROJECT / "tools" / "requirements", headers):
+        sources += sorted(path for path in folder.rglob("*") if path.is_file())
+    digest = hashlib.sha256(Path("/etc/debian_version").read_bytes())
+    for path in sources:
+        digest.update(str(path).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def build_wheel(tag: str, headers: Path) -> Path:
+    """A wheel for CPython `tag`, from its headers alone, that brings the libraries it needs along."""
     raw, repaired = BUILD / tag / "raw", BUILD / tag / "repaired"
-    for folder in (raw, repaired):
-        shutil.rmtree(folder, ignore_errors=True)
-    settings = {"build-dir": str(BUILD / tag / "cmake")}
-    if headers:
-        settings["cmake.define.Python_INCLUDE_DIR"] = str(headers)
-        settings["cmake.define.PYTHON_MODULE_EXTENSION"] = (headers / "module-suffix").read_text()
-        settings["cmake.define.PYTHON_MODULE_DEBUG_POSTFIX"] = ""
-        settings["cmake.define.PYTHON_IS_DEBUG"] = "OFF"
+    stamp, wanted = BUILD / tag / "stamp", fingerprint(headers)
+    if stamp.exists() and stamp.read_text() == wanted:
+        return only_wheel(repaired)
+    print(f"Building the wheel for {tag}", flush=True)
+    shutil.rmtree(BUILD / tag, ignore_errors=True)
+    settings = {
+        "build-dir": BUILD / "cmake",  # one for all: the library itself does not depend on Python
+        "cmake.define.Python_INCLUDE_DIR": headers,
+        "cmake.define.PYTHON_MODULE_EXTENSION": (headers / "module-suffix").read_text(),
+        "cmake.define.PYTHON_MODULE_DEBUG_POSTFIX": "",
+        "cmake.define.PYTHON_IS_DEBUG": "OFF",
+    }
     options = [f"--config-settings={key}={value}" for key, value in settings.items()]
     run("pip", "wheel", "--no-build-isolation", "--no-deps", *options, "--wheel-dir", raw, ".")
-    if headers:  # scikit-build-core names the wheel after the Python that runs it
-        run("wheel", "tags", "--remove", "--python-tag", tag, "--abi-tag", tag, newest(raw))
-    # Of the BLAS libraries that may be installed side by side, the one that two threads can call at once (Debian's serial
-    # build corrupts its buffers then); the library switches its own threads off.
-    blas = "/usr/lib/x86_64-linux-gnu/openblas-pthread"
-    run("auditwheel", "repair", "--strip", "--wheel-dir", repaired, newest(raw), LD_LIBRARY_PATH=blas)
-    return newest(repaired)
+    # scikit-build-core names the wheel after the Python that runs it.
+    run("wheel", "tags", "--remove", "--python-tag", tag, "--abi-tag", tag, only_wheel(raw))
+    run("auditwheel", "repair", "--strip", "--wheel-dir", repaired, only_wheel(raw))
+    stamp.write_text(wanted)
+    return only_wheel(repaired)
+
+
+def notices(wheel: Path) -> dict[str, str]:
+    """The licences of the Debian libraries in a wheel, by package."""
+    with zipfile.ZipFile(wheel) as archive:
+        (parts,) = (name for name in archive.namelist() if name.endswith("sboms/auditwheel.cdx.json"))
+        components = json.loads(archive.read(parts))["components"]
+    packages = {part["name"] for part in components if part["purl"].startswith("pkg:deb/")}
+    return {name: Path(f"/usr/share/doc/{name}/copyright").read_text() for name in sorted(packages)}
 
 
 def manifest_with(wheels: list[Path]) -> str:
@@ -85,6 +112,8 @@ def pack(wheels: list[Path]) -> Path:
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("blender_manifest.toml", manifest)
         archive.write(PROJECT / "LICENSE", "LICENSE")
+        for name, text in notices(wheels[0]).items():
+            archive.writestr(f"licenses/{name}.txt", text)
         for path in sorted(ADDON.rglob("*")):
             inside = path.relative_to(ADDON)
             if (
@@ -100,15 +129,11 @@ def pack(wheels: list[Path]) -> Path:
 
 
 def main() -> None:
-    headers = {path.name: path for path in sorted(Path(sys.argv[1]).resolve().glob("cp*"))}
-    builds = {f"cp{sys.version_info.major}{sys.version_info.minor}": None, **headers}
-    wheels = []
-    for tag, folder in builds.items():
-        print(f"Building the wheel for {tag}", flush=True)
-        wheels.append(build_wheel(tag, folder))
-        print(f"  {wheels[-1].name}, {wheels[-1].stat().st_size / 1e6:.1f} MB", flush=True)
+    folders = sorted(Path(sys.argv[1]).resolve().glob("cp*"))
+    wheels = [build_wheel(folder.name, folder) for folder in folders]
     target = pack(wheels)
-    print(f"{target.relative_to(PROJECT)}, {target.stat().st_size / 1e6:.1f} MB")
+    size = target.stat().st_size / 1e6
+    print(f"{target.relative_to(PROJECT)}, {size:.0f} MB, for {', '.join(folder.name for folder in folders)}")
 
 
 if __name__ == "__main__":

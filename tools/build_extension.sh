@@ -12,28 +12,31 @@ cd "$(dirname "$0")/.."
 source tools/packages.sh
 headers=build/extension/headers
 venv=build/extension/venv
+here=$(. /etc/os-release && echo "$VERSION_CODENAME")
 
 in_debian() { # in_debian RELEASE COMMAND...
     local release=$1
     shift
-    if [[ $(. /etc/os-release && echo "$VERSION_CODENAME") == "$release" ]]; then
-        "$@"
-    else
-        tools/room.sh "$release" "$@"
-    fi
+    if [[ $release == "$here" ]]; then "$@"; else tools/room.sh "$release" "$@"; fi
 }
 
-if [[ ${1:-} == --compile ]]; then # the part that runs on Debian 12
+if [[ ${1:-} == --compile ]]; then
     tools/apt.sh "${build_packages[@]}"
     tools/venv.sh $venv common.txt package.txt
+    /usr/bin/python3 tools/python_headers.py $headers
     exec $venv/bin/python tools/build_extension.py $headers
 fi
 
 rm -rf $headers
 mkdir -p $headers
 for release in trixie sid; do
-    in_debian $release tools/apt.sh python3-dev &&
-        in_debian $release /usr/bin/python3 tools/python_headers.py $headers ||
+    if ! { in_debian $release tools/apt.sh python3-dev &&
+        in_debian $release /usr/bin/python3 tools/python_headers.py $headers; }; then
         echo "The extension goes without a wheel for the Python of Debian $release, whose room cannot be had." >&2
+    fi
 done
+if [[ $here != bookworm ]] && ! tools/room.sh bookworm; then
+    echo "Without the bookworm room the wheels are made for this release of Debian and newer systems only." >&2
+    exec "$0" --compile
+fi
 in_debian bookworm "$0" --compile

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Copy the C headers of the Python that runs this into DIRECTORY/cpXY, with the suffix of its extension modules.
+"""Copy the C headers of the Python that runs this, and the suffix of its modules, to DIRECTORY/cpXY.
 
 usage: python_headers.py DIRECTORY
 """
@@ -14,13 +14,6 @@ target = Path(sys.argv[1]) / f"cp{sys.version_info.major}{sys.version_info.minor
 shutil.rmtree(target, ignore_errors=True)
 shutil.copytree(sysconfig.get_path("include"), target)
 # Debian's pyconfig.h only chooses among those of several processors, which are elsewhere.
-shutil.copy(
-    Path(
-        "/usr/include",
-        sysconfig.get_config_var("MULTIARCH"),
-        f"python{sysconfig.get_python_version()}",
-        "pyconfig.h",
-    ),
-    target,
-)
+machine = sysconfig.get_config_var("MULTIARCH")
+shutil.copy(f"/usr/include/{machine}/python{sysconfig.get_python_version()}/pyconfig.h", target)
 (target / "module-suffix").write_text(sysconfig.get_config_var("EXT_SUFFIX"))

@@ -3,8 +3,8 @@
 """Run the test suites of `make test` or `make matrix` one after another and print a table of what they did.
 
 Each suite is a command that prints a runner's closing line; its whole output goes to out/logs/. A suite that
-fails or runs no test fails the command. Only a suite that needs the newest Debian room may be left out, and only
-when the room cannot be made; the table says so.
+fails or runs no test fails the command. Only a suite that needs the newest Debian room may be left out, only
+when the room cannot be made, and the table says so.
 """
 
 import dataclasses
@@ -52,8 +52,8 @@ SUITES = {
             Suite(f"data-{bpy}", ("tools/data_tests.sh", bpy))
             for bpy in ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
         ),
-        Suite("window-trixie", ("tools/window_tests.sh", "trixie")),
-        Suite("window-sid", ("tools/window_tests.sh", "sid"), room="sid"),
+        Suite("window-trixie", ("tools/window_tests.sh", "--room", "trixie")),
+        Suite("window-sid", ("tools/window_tests.sh", "--room", "sid"), room="sid"),
     ),
 }
 

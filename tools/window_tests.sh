@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs the window tests: in a Debian room, or, without a name, in $BLENDER, else in a `blender` of 4.2 or newer on
-# PATH, else in the trixie room.
-# usage: tools/window_tests.sh [trixie|sid]
+# Runs window tests (all, or the files given): in a Debian room, or, without --room, in $BLENDER, else in a `blender`
+# of 4.2 or newer on PATH, else in the trixie room.
+# usage: tools/window_tests.sh [--room trixie|sid] [FILE...]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=tools/packages.sh
@@ -15,12 +15,16 @@ new_enough() {
 }
 
 make --silent extension # the tests install it as a user does
-room=${1:-}
+room=
+if [[ ${1:-} == --room ]]; then
+    room=$2
+    shift 2
+fi
 if [[ -z $room ]]; then
     blender=${BLENDER:-$(command -v blender || true)}
     if [[ -n $blender ]] && new_enough "$blender"; then
         tools/apt.sh "${screen_packages[@]}"
-        exec python3 blender_tests/window/run.py --blender "$blender"
+        exec python3 blender_tests/window/run.py --blender "$blender" "$@"
     fi
     if [[ -n ${BLENDER:-} ]]; then
         echo "BLENDER=$BLENDER is no Blender of version 4.2 or newer." >&2
@@ -28,4 +32,4 @@ if [[ -z $room ]]; then
     fi
     room=trixie
 fi
-exec tools/room.sh "$room" python3 blender_tests/window/run.py --blender /usr/bin/blender
+exec tools/room.sh "$room" python3 blender_tests/window/run.py --blender /usr/bin/blender "$@"
