@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planar/akvf.h"
 
+#include <utility>
+
 #include "checks.h"
 #include "killing_solver.h"
 
@@ -15,11 +17,13 @@ Points killing_field(const Points& vertices, const Triangles& triangles, const H
       Eigen::VectorXd::Constant(handles.size(), options.hard ? 1.0 : options.pin_weight);
   if (!options.hard) require_positive("pin_weight", Eigen::VectorXd::Constant(1, options.pin_weight));
 
-  KillingSolver solver(Mesh(vertices.rows(), triangles), options.stiffness,
-                       {.hard = options.hard, .dirichlet = options.dirichlet});
+  Mesh mesh(vertices.rows(), triangles);
+  require_stiffness(options.stiffness, triangles);
+
+  KillingSolver solver(std::move(mesh), {.hard = options.hard, .dirichlet = options.dirichlet});
   solver.set_handles(handles, weights);
   Points field;
-  solver.solve(vertices, velocities, field);
+  solver.solve(vertices, options.stiffness, velocities, field);
   return field;
 }
 

@@ -39,4 +39,10 @@ void require_mesh(const char* name, const Points& vertices, const Triangles& tri
   require_finite(name, vertices);
 }
 
+void require_stiffness(const Eigen::VectorXd& stiffness, const Triangles& triangles) {
+  if (stiffness.size() == 0) return;
+  require_rows("stiffness", stiffness.size(), triangles.rows(), "triangle");
+  require_positive("stiffness", stiffness);
+}
+
 }  // namespace planar

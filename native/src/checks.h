@@ -17,6 +17,9 @@ void require_positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>&
 /// Mesh).
 void require_mesh(const char* name, const Points& vertices, const Triangles& triangles);
 
+/// Empty, or a number above 0 for every triangle.
+void require_stiffness(const Eigen::VectorXd& stiffness, const Triangles& triangles);
+
 std::string row_of(const char* name, Eigen::Index row);
 
 }  // namespace planar

@@ -38,13 +38,7 @@ KillingSolver::System::System(const Mesh& mesh, std::vector<int> kept, Backend b
   solver->analyze(killing.matrix());
 }
 
-KillingSolver::KillingSolver(Mesh mesh, Eigen::VectorXd stiffness, Options options)
-    : mesh_(std::move(mesh)), stiffness_(std::move(stiffness)), options_(options) {
-  if (stiffness_.size() != 0) {
-    require_rows("stiffness", stiffness_.size(), mesh_.triangles.rows(), "triangle");
-    require_positive("stiffness", stiffness_);
-  }
-}
+KillingSolver::KillingSolver(Mesh mesh, Options options) : mesh_(std::move(mesh)), options_(options) {}
 
 void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& weights) {
   require_rows("handles.weights", handles.weights.rows(), handles.size(), "handle");
@@ -158,7 +152,8 @@ void KillingSolver::fit_rigid_fields(const Points& x, const Points& velocities) 
   }
 }
 
-void KillingSolver::solve(const Points& x, const Points& velocities, Points& field) {
+void KillingSolver::solve(const Points& x, const Eigen::VectorXd& stiffness, const Points& velocities,
+                          Points& field) {
   // K is zero on rigid fields, so (7) is solved for what is left of the velocities after each part's best
   // rigid field. Rigid motions are exact this way, and parts that (7) leaves undetermined have nothing left.
   fit_rigid_fields(x, velocities);
@@ -167,8 +162,8 @@ void KillingSolver::solve(const Points& x, const Points& velocities, Points& fie
                          return pin.part >= 0 && bent_[at(pin.part)] && touches_interior(pin);
                        });
   if (any_bent) {
-    const auto factor_inside = [this, &x] {
-      inside_->killing.assemble(x, stiffness_, bent_);
+    const auto factor_inside = [this, &x, &stiffness] {
+      inside_->killing.assemble(x, stiffness, bent_);
       inside_->solver->factorize(inside_->killing.matrix());
     };
     struct Waiting {
@@ -177,7 +172,7 @@ void KillingSolver::solve(const Points& x, const Points& velocities, Points& fie
     } const waiting{worker_};
     const bool two_threads = correct && mesh_.n_vertices >= worth_a_thread;
     if (two_threads) worker_.start(factor_inside);
-    all_->killing.assemble(x, stiffness_, bent_);
+    all_->killing.assemble(x, stiffness, bent_);
     if (options_.hard) {
       solve_hard();
     } else {

@@ -24,17 +24,15 @@ class KillingSolver {
     Backend backend = default_backend();
   };
 
-  /// \param stiffness m factors above 0, or empty
-  /// \throw std::invalid_argument see killing_field
-  KillingSolver(Mesh mesh, Eigen::VectorXd stiffness, Options options);
+  KillingSolver(Mesh mesh, Options options);
 
   /// \param weights k: λ² of each handle
   /// \throw std::invalid_argument a handle is not inside a triangle, edge or vertex of the mesh
   void set_handles(const Handles& handles, const Eigen::VectorXd& weights);
 
-  /// The field (n×2) of the mesh at x (n×2) for handle velocities (k×2), both finite. See killing_field.
-  /// \throw SolveError
-  void solve(const Points& x, const Points& velocities, Points& field);
+  /// The field (n×2) of the mesh at x (n×2) with `stiffness` (m, or empty: all 1) for handle velocities
+  /// (k×2), all finite. See killing_field. 	hrow SolveError
+  void solve(const Points& x, const Eigen::VectorXd& stiffness, const Points& velocities, Points& field);
 
   const Mesh& mesh() const { return mesh_; }
 
@@ -75,7 +73,6 @@ class KillingSolver {
   void correct_interior();
 
   Mesh mesh_;
-  Eigen::VectorXd stiffness_;
   Options options_;
   std::vector<Pin> pins_;
   std::vector<RigidField> rigid_;          ///< per part

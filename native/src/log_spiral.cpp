@@ -32,7 +32,8 @@ Spirals::Spirals(const Mesh& mesh)
       inverse_degree_(static_cast<std::size_t>(mesh.n_vertices)),
       x_(inverse_degree_.size()),
       velocity_(inverse_degree_.size()),
-      z_(edges_.size()) {
+      z_(edges_.size()),
+      phi_(inverse_degree_.size()) {
   for (const auto& edge : edges_) {
     for (const int v : edge) inverse_degree_[static_cast<std::size_t>(v)] += 1.0;
   }
@@ -58,15 +59,32 @@ double Spirals::prepare(const Points& x, const Points& velocities) {
 }
 
 void Spirals::advance(double t, Points& result) {
-  result.setZero(static_cast<Eigen::Index>(x_.size()), 2);
-  Complex* sum = reinterpret_cast<Complex*>(result.data());
+  t_ = t;
+  std::fill(phi_.begin(), phi_.end(), 0.0);
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const Complex f = phi(t * z_[e]);
-    sum[edges_[e][0]] += f;
-    sum[edges_[e][1]] += f;
+    for (const int v : edges_[e]) phi_[static_cast<std::size_t>(v)] += f;
   }
-  for (std::size_t i = 0; i < x_.size(); ++i)
-    sum[i] = x_[i] + t * velocity_[i] * (sum[i] * inverse_degree_[i]);
+  result.resize(static_cast<Eigen::Index>(x_.size()), 2);
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    phi_[i] *= inverse_degree_[i];
+    place(i, result);
+  }
+}
+
+void Spirals::share(const int* corner, Points& result) {
+  Complex mean = 0.0;
+  for (int c = 0; c < 3; ++c) mean += phi_[static_cast<std::size_t>(corner[c])] / 3.0;
+  for (int c = 0; c < 3; ++c) {
+    const auto i = static_cast<std::size_t>(corner[c]);
+    phi_[i] = mean;
+    place(i, result);
+  }
+}
+
+void Spirals::place(std::size_t i, Points& result) const {
+  const Complex p = x_[i] + t_ * velocity_[i] * phi_[i];
+  result.row(static_cast<Eigen::Index>(i)) << p.real(), p.imag();
 }
 
 Points advance_along_spirals(const Points& vertices, const Triangles& triangles, const Points& velocities) {

@@ -11,16 +11,20 @@
 #include "killing_solver.h"
 #include "orientation.h"
 #include "spirals.h"
+#include "triangle_guard.h"
 
 namespace planar {
 
 namespace {
 
-constexpr double largest_turn = 0.26;  // of an edge in a substep: 15°
-constexpr int substep_budget = 32;     // of a step
-constexpr int halving_budget = 8;      // of a substep that would invert a triangle
-constexpr int settle_budget = 32;      // steps
-constexpr double reached = 1e-3;       // of the box diagonal
+constexpr double largest_turn = 0.26;    // of an edge in a substep: 15°
+constexpr double least_area_left = 0.7;  // of a triangle after a substep
+constexpr int substep_budget = 32;       // of a step
+constexpr int halving_budget = 8;        // of a substep under which triangles collapse
+constexpr int sharing_budget = 10;       // passes over the triangles of such a substep
+constexpr int settle_budget = 32;        // steps
+constexpr double reached = 1e-3;         // of the box diagonal
+constexpr double settled = 1e-6;         // of the box diagonal
 constexpr double nearer = 0.99;  // a step of settle() that leaves more of the distance than this is the last
 
 double furthest(const Points& from, const Points& to) {
@@ -33,9 +37,10 @@ struct Poser::State {
   State(Points rest_, Triangles triangles, PoserOptions options_)
       : rest(std::move(rest_)),
         options(std::move(options_)),
-        solver(Mesh(rest.rows(), std::move(triangles)), options.stiffness, {}),
+        solver(Mesh(rest.rows(), std::move(triangles)), {}),
         spirals(solver.mesh()),
         orientation(rest, solver.mesh().triangles),
+        guard(rest, solver.mesh().triangles, options.stiffness),
         positions(rest),
         diagonal((rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm()) {}
 
@@ -48,6 +53,7 @@ struct Poser::State {
   KillingSolver solver;
   Spirals spirals;
   Orientation orientation;
+  TriangleGuard guard;
   Handles handles;
   Points positions;
   double diagonal;
@@ -55,6 +61,7 @@ struct Poser::State {
   Report report;
 
   Points current, next, field;  // of the step under way
+  Eigen::VectorXd stiffness;
   std::vector<double> area, next_area;
 };
 
@@ -64,7 +71,8 @@ void Poser::State::step(const Points& towards, Report& done) {
   for (int substep = 0; substep < substep_budget; ++substep) {
     const Points velocities = towards - handles.positions(current);
     if (velocities.isZero(0.0)) return;
-    solver.solve(current, velocities, field);
+    guard.stiffness(current, stiffness);
+    solver.solve(current, stiffness, velocities, field);
     const double turn = spirals.prepare(current, field);
     double t = std::min(1.0, largest_turn / turn);
     orientation.measure(current, area);
@@ -79,15 +87,23 @@ void Poser::State::step(const Points& towards, Report& done) {
   }
 }
 
-/// Advances `current` by t into `next`; false if that inverts a triangle.
+/// Advances `current` by t into `next`; false if triangles collapse that evening out the spirals' factors
+/// does not help.
 bool Poser::State::take_substep(double t) {
   spirals.advance(t, next);
   if (!next.allFinite()) return false;
-  orientation.measure(next, next_area);
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    if (area[i] > 0.0 && !(next_area[i] > 0.0)) return false;
+  for (int pass = 0; pass < sharing_budget; ++pass) {
+    bool collapse = false;
+    orientation.measure(next, next_area);
+    for (std::size_t i = 0; i < area.size(); ++i) {
+      if (area[i] > 0.0 && !(next_area[i] > least_area_left * area[i])) {
+        spirals.share(solver.mesh().triangles.data() + 3 * i, next);
+        collapse = true;
+      }
+    }
+    if (!collapse) return true;
   }
-  return true;
+  return false;
 }
 
 void Poser::State::conclude(const Points& towards, Report& done) const {
@@ -99,6 +115,7 @@ void Poser::State::conclude(const Points& towards, Report& done) const {
 Poser::Poser(Points rest, Triangles triangles, PoserOptions options) {
   require_mesh("rest", rest, triangles);
   if (options.pin_weight) require_positive("pin_weight", Eigen::VectorXd::Constant(1, *options.pin_weight));
+  require_stiffness(options.stiffness, triangles);
   state_ = std::make_unique<State>(std::move(rest), std::move(triangles), std::move(options));
 }
 
@@ -148,7 +165,7 @@ const Points& Poser::settle() {
   state.current = state.positions;
   Points best = state.positions;
   double distance = furthest(state.handles.positions(best), targets);
-  for (int i = 0; i < settle_budget; ++i) {
+  for (int i = 0; i < settle_budget && distance > settled * state.diagonal; ++i) {
     state.step(targets, report);
     const double left = furthest(state.handles.positions(state.current), targets);
     if (left < distance) best = state.current;

@@ -21,10 +21,19 @@ class Spirals {
   /// The prepared positions after time t.
   void advance(double t, Points& result);
 
+  /// Gives three vertices the mean of their factors φ and updates their rows of the result of the last
+  /// advance(). With one factor for all corners a triangle undergoes an affine map near to its field's,
+  /// however thin it is; with three, differences in φ times the velocity (not relative to the triangle) can
+  /// turn a thin one over.
+  void share(const int* corner, Points& result);
+
  private:
+  void place(std::size_t i, Points& result) const;
+
   std::vector<std::array<int, 2>> edges_;
   std::vector<double> inverse_degree_;  ///< 0 without edges
-  std::vector<std::complex<double>> x_, velocity_, z_;
+  std::vector<std::complex<double>> x_, velocity_, z_, phi_;
+  double t_ = 0.0;
 };
 
 }  // namespace planar

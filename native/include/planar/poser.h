@@ -41,8 +41,10 @@ struct Report {
 /// where they are now.
 class Poser {
  public:
-  /// λ² of a pin when PoserOptions::pin_weight is empty.
-  static constexpr double default_pin_weight = 1.0;
+  /// λ² of a pin when PoserOptions::pin_weight is empty. On twelve published poses of drawn characters, 40
+  /// moves each, handles end 0.0008-0.047 of the diagonal from their targets at λ² = 1, 0.0001-0.007 at 100,
+  /// and no nearer above that.
+  static constexpr double default_pin_weight = 100.0;
 
   /// \param rest n×2 rest shape, the reference of flips and tolerances, and the first positions
   /// \param triangles m×3
