@@ -17,6 +17,14 @@ AXES = "XYZ"
 SPANNING = {0: (1, 2), 1: (0, 2), 2: (0, 1)}
 
 
+def mapped(points: Array, matrix: Array) -> Array:
+    """matrix (r x d) times each of k x d points: k x r.
+
+    Without BLAS, whose threads take milliseconds to wake for what is done in microseconds here.
+    """
+    return np.einsum("kd,rd->kr", points, matrix)
+
+
 @dataclass(frozen=True)
 class PlaneFrame:
     """Orthonormal axes (3,) in world-linear space: u and v span the plane, n = u x v is its normal."""
@@ -28,15 +36,15 @@ class PlaneFrame:
 
     def flatten(self, points: Array) -> Array:
         """k x 3 points in world-linear space to k x 2 plane coordinates, in world lengths."""
-        return np.stack([points @ self.u, points @ self.v], axis=1)
+        return mapped(points, np.stack([self.u, self.v]))
 
     def lift(self, offsets: Array) -> Array:
         """k x 2 offsets within the plane to k x 3 offsets in world-linear space."""
-        return np.outer(offsets[:, 0], self.u) + np.outer(offsets[:, 1], self.v)
+        return mapped(offsets, np.stack([self.u, self.v], axis=1))
 
     def depth(self, points: Array) -> Array:
         """Distance (k,) of each point from the origin along the normal."""
-        return points @ self.n
+        return mapped(points, self.n[None, :])[:, 0]
 
     def mirrored(self) -> PlaneFrame:
         """The same plane seen from behind."""
@@ -51,13 +59,17 @@ def plane_frame(points: Array, triangles: Indices, linear: Array) -> PlaneFrame 
     object axes the plane is nearest to and v is turned towards the second, so that neither depends on the
     winding.
     """
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    areas = np.cross(b - a, c - a)
-    sizes = np.einsum("ij,ij->i", areas, areas)
-    if not len(areas) or not sizes.max() > 0.0:
+    x, y, z = np.ascontiguousarray(points.T)
+    i, j, k = triangles.T
+    ax, ay, az = x[j] - x[i], y[j] - y[i], z[j] - z[i]
+    bx, by, bz = x[k] - x[i], y[k] - y[i], z[k] - z[i]
+    areas = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    sizes = (areas * areas).sum(axis=0)
+    if not len(sizes) or not sizes.max() > 0.0:
         return None
-    largest = areas[int(np.argmax(sizes))]
-    normal = (np.where(areas @ largest < 0.0, -1.0, 1.0)[:, None] * areas).sum(axis=0)
+    largest = areas[:, int(np.argmax(sizes))]
+    sides = np.where((areas * largest[:, None]).sum(axis=0) < 0.0, -1.0, 1.0)
+    normal = (areas * sides).sum(axis=1)
     normal /= np.linalg.norm(normal)
     first, second = SPANNING[int(np.argmax(np.abs(normal)))]
     # In-plane parts of the object axes, mapped to world-linear space: never zero, never parallel.

@@ -15,8 +15,8 @@ def copied_along_edges(rest: np.ndarray, current: Array, triangles: Indices, lea
     which comes later in the mesh. `rest` and `current` are n x d.
     """
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    same = np.all(rest[edges[:, 0]] == rest[edges[:, 1]], axis=1)
-    edges = edges[same]
+    for axis in rest.T:  # one coordinate after the other: few edges are left after the first
+        edges = edges[axis[edges[:, 0]] == axis[edges[:, 1]]]
     apart = np.linalg.norm(current[edges[:, 0]] - current[edges[:, 1]], axis=1) > least
     copied = np.zeros(len(rest), bool)
     copied[edges[apart].max(axis=1)] = True

@@ -6,8 +6,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..model.cutout import Cutout, connected_parts, diagonal_of, make_cutout, signed_areas
-from ..model.frame import Array, Indices, PlaneFrame, plane_frame
+from ..model.cutout import Cutout, diagonal_of, make_cutout, signed_areas
+from ..model.frame import Array, Indices, PlaneFrame, mapped, plane_frame
 from ..model.locate import MeshPoint, nearest_point
 from ..model.rest import completed, copied_along_edges, copied_parts, fitted
 from . import rest as rest_store
@@ -98,18 +98,16 @@ class SceneCutout:
         self._added_key: str | None = None
 
         stored, owners = rest_store.read(obj)
-        triangles = triangulation.triangles_of(mesh, stored)
-        self.vertex_indices, compact = np.unique(triangles, return_inverse=True)
-        triangles = compact.reshape(-1, 3).astype(np.int32)
-        used = self.vertex_indices
+        faces = triangulation.faces_of(mesh, stored)
+        triangles, parts, used = faces.triangles, faces.parts, faces.vertices
+        self.vertex_indices = used
         if not np.isfinite(shown[used]).all():
             raise Refusal(f"'{obj.name}' has vertices with coordinates that are not numbers: delete them")
         shape_keys.check_share(obj, share[used])
         self._share = share[used]
 
         shown = shown[used]
-        world = shown @ self._linear.T
-        parts = connected_parts(len(used), triangles)
+        world = mapped(shown, self._linear)
         self.frame = _flat_frame(shown, world, triangles, parts, self._linear, "Its faces do")
         self.positions = self.frame.flatten(world)
         self._depths = _part_means(self.frame.depth(world), parts)
@@ -126,11 +124,11 @@ class SceneCutout:
 
     def to_local(self, points: Array, parts: Indices | None = None) -> Array:
         """Object-local positions k x 3 of k x 2 points of the plane."""
-        return (self.to_world(points, parts) - self._origin) @ self._inverse.T
+        return mapped(self.to_world(points, parts) - self._origin, self._inverse)
 
     def from_local(self, points: Array) -> Array:
         """Plane coordinates k x 2 of k x 3 object-local points."""
-        return self.frame.flatten(points @ self._linear.T)
+        return self.frame.flatten(mapped(points, self._linear))
 
     def from_world(self, points: Array) -> Array:
         """Plane coordinates k x 2 of k x 3 world points."""
@@ -181,9 +179,8 @@ class SceneCutout:
         A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
         """
         moved = np.flatnonzero(np.any(positions != self.positions, axis=1))
-        offsets = (
-            self.frame.lift(positions[moved] - self.positions[moved]) @ self._inverse.T / self._share[moved]
-        )
+        offsets = mapped(self.frame.lift(positions[moved] - self.positions[moved]), self._inverse)
+        offsets /= self._share[moved]
         rows = self.vertex_indices[moved]
         coordinates = self._begin.copy()
         coordinates[rows] = self._begin[rows] + offsets  # float64 until it is stored
@@ -263,13 +260,13 @@ class SceneCutout:
         changed = not known.all() or not np.array_equal(rest, rest32)
         if not known.any():
             rest, known = shown.copy(), np.ones(len(used), bool)
-        world = rest @ self._linear.T
+        world = mapped(rest, self._linear)
         frame = _flat_frame(rest, world, triangles, parts, self._linear, "Its rest shape does", known)
         flat = frame.flatten(world)
         # Rest and pose are seen from the same side, however the mesh has been turned over in between.
         whole = known[triangles].all(axis=1)
-        sides = signed_areas(flat, triangles[whole]) @ np.sign(signed_areas(self.positions, triangles[whole]))
-        if sides < 0.0:
+        shown_sides = np.sign(signed_areas(self.positions, triangles[whole]))
+        if (signed_areas(flat, triangles[whole]) * shown_sides).sum() < 0.0:
             frame = frame.mirrored()
             flat = frame.flatten(world)
         if not known.all():
@@ -278,7 +275,7 @@ class SceneCutout:
             counts = np.bincount(parts, weights=known)
             sums = np.bincount(parts[known], weights=depths[known], minlength=len(counts))
             depth = np.where(counts > 0, sums / np.maximum(counts, 1), self._depths)[parts]
-            placed = (frame.lift(flat) + np.outer(depth, frame.n)) @ self._inverse.T
+            placed = mapped(frame.lift(flat) + np.outer(depth, frame.n), self._inverse)
             rest[~known] = placed[~known]
         if changed and not self._has_keys:
             self._rest_after = stored.copy()

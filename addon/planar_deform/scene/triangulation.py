@@ -5,41 +5,65 @@ from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
+from dataclasses import dataclass
 
 import bmesh
 import bpy
 import numpy as np
 
+from ..model.cutout import connected_parts
 from ..model.frame import Indices
 
 CAPACITY = 8  # meshes
 
-_kept: OrderedDict[bytes, Indices] = OrderedDict()
+
+@dataclass(frozen=True)
+class Faces:
+    """The faces of a mesh as triangles of those vertices that belong to one."""
+
+    vertices: Indices  # n, vertices of faces in the mesh's order
+    triangles: Indices  # m x 3, indices into vertices
+    parts: Indices  # n, the connected part of each, counted from 0
 
 
-def triangles_of(mesh: bpy.types.Mesh, rest: np.ndarray) -> Indices:
-    """Triangles m x 3 (vertex indices) of the mesh's faces, quads and n-gons cut as in `rest` (n x 3).
+_kept: OrderedDict[bytes, Faces] = OrderedDict()
+
+
+def faces_of(mesh: bpy.types.Mesh, rest: np.ndarray) -> Faces:
+    """The mesh's faces, quads and n-gons cut into triangles as they lie in `rest` (count x 3).
 
     A pose must not change how faces are cut, so the mesh's own triangulation, which follows the current
     coordinates, is used only where there is nothing to cut.
     """
     mesh.calc_loop_triangles()
-    count = len(mesh.loop_triangles)
-    if count == len(mesh.polygons):
-        triangles = np.empty(count * 3, np.int32)
-        mesh.loop_triangles.foreach_get("vertices", triangles)
-        return triangles.reshape(-1, 3)
+    whole = len(mesh.loop_triangles) == len(mesh.polygons)
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
-    starts = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    digest = hashlib.blake2b(corners.tobytes() + b"|" + starts.tobytes() + b"|" + rest.tobytes()).digest()
+    key = hashlib.blake2b(corners)
+    if not whole:
+        starts = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("loop_start", starts)
+        key.update(starts)
+        key.update(rest)
+    digest = key.digest()
     if digest not in _kept:
-        _kept[digest] = _cut(mesh, rest)
+        _kept[digest] = _faces(_own_triangles(mesh) if whole else _cut(mesh, rest))
     _kept.move_to_end(digest)
     while len(_kept) > CAPACITY:
         _kept.popitem(last=False)
     return _kept[digest]
+
+
+def _faces(triangles: Indices) -> Faces:
+    vertices, compact = np.unique(triangles, return_inverse=True)
+    compact = compact.reshape(-1, 3).astype(np.int32)
+    return Faces(vertices, compact, connected_parts(len(vertices), compact))
+
+
+def _own_triangles(mesh: bpy.types.Mesh) -> Indices:
+    triangles = np.empty(len(mesh.loop_triangles) * 3, np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    return triangles.reshape(-1, 3)
 
 
 def _cut(mesh: bpy.types.Mesh, rest: np.ndarray) -> Indices:
