@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 try:
     import planar_native
 except ImportError as error:
@@ -20,6 +22,8 @@ if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
         "remove other copies of the extension, install it again and restart Blender"
     )
 
+Method = Literal["akvf"]
 Poser = planar_native.Poser
+Report = planar_native.Report
 SolveError = planar_native.SolveError
 distortion = planar_native.distortion

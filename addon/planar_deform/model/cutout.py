@@ -34,7 +34,8 @@ def signed_areas(points: Array, triangles: Indices) -> Array:
     """Signed area (m,) of each triangle on n x 2 points, positive when counter-clockwise."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     ab, ac = b - a, c - a
-    return 0.5 * (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
+    areas: Array = 0.5 * (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
+    return areas
 
 
 def oriented(rest: Array, triangles: Indices) -> Indices:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int32]
+Mask = NDArray[np.bool_]
 
 AXES = "XYZ"
 # The two object axes that span the plane, by the axis its normal is nearest to: X right and Z up for a
@@ -22,7 +23,8 @@ def mapped(points: Array, matrix: Array) -> Array:
 
     Without BLAS, whose threads take milliseconds to wake for what is done in microseconds here.
     """
-    return np.einsum("kd,rd->kr", points, matrix)
+    result: Array = np.einsum("kd,rd->kr", points, matrix)
+    return result
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ class MeshPoint:
 
 def at(positions: Array, triangles: Indices, point: MeshPoint) -> Array:
     """Where a mesh point is (2,) on n x 2 positions."""
-    return point.weights @ positions[triangles[point.triangle]]
+    place: Array = point.weights @ positions[triangles[point.triangle]]
+    return place
 
 
 def nearest_point(positions: Array, triangles: Indices, place: Array, among: Indices) -> MeshPoint | None:
@@ -65,6 +66,6 @@ def barycentric(corners: Array, place: Array) -> Array:
     area = np.where(flat, 1.0, area)
     second = (ap[:, 0] * ac[:, 1] - ap[:, 1] * ac[:, 0]) / area
     third = (ab[:, 0] * ap[:, 1] - ab[:, 1] * ap[:, 0]) / area
-    weights = np.stack([1.0 - second - third, second, third], axis=1)
+    weights: Array = np.stack([1.0 - second - third, second, third], axis=1)
     weights[flat] = -np.inf
     return weights

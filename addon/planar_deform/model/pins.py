@@ -45,7 +45,8 @@ class Holder:
     def place(self, positions: Array) -> Array:
         """Where the pin is (2,) on n x 2 positions: its point, or the weighted centre of its patch."""
         if self._point is None:
-            return self.shares @ positions[self.pin.vertices]
+            centre: Array = self.shares @ positions[self.pin.vertices]
+            return centre
         return at(positions, self._triangles, self._point)
 
     def fitted_angle(self, positions: Array) -> float:
@@ -72,7 +73,8 @@ class Holder:
         """Where the handles should be (k x 2) when the pin is at `target` and turned by `angle`."""
         if self._point is not None:
             return target[None, :]
-        return target + self._arms @ rotation(angle).T
+        targets: Array = target + self._arms @ rotation(angle).T
+        return targets
 
 
 def rotation(angle: float) -> Array:

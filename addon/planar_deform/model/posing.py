@@ -139,7 +139,8 @@ def carried_path(
     """
     du, dv, turn = path[-1] if path else (0.0, 0.0, 0.0)
     if offset is not None:
-        edited, recorded = complex(*np.float32(offset).tolist()), complex(du, dv)
+        edited = complex(float(np.float32(offset[0])), float(np.float32(offset[1])))
+        recorded = complex(du, dv)
         if path and edited == recorded:
             return list(path)
         if recorded == 0.0:

@@ -4,11 +4,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .frame import Array, Indices
+from .frame import Array, Indices, Mask
+
+Stored = NDArray[np.float32]  # as Blender keeps coordinates
+Complex = NDArray[np.complex128]
 
 
-def copied_along_edges(rest: np.ndarray, current: Array, triangles: Indices, least: float) -> np.ndarray:
+def copied_along_edges(rest: Stored, current: Array, triangles: Indices, least: float) -> Mask:
     """The vertices (mask n) whose rest is a copy of a neighbour's that is more than `least` away.
 
     That is what extruding leaves: Blender copies the point attributes of the source vertex to the new one,
@@ -23,7 +27,7 @@ def copied_along_edges(rest: np.ndarray, current: Array, triangles: Indices, lea
     return copied
 
 
-def copied_parts(rest: np.ndarray, parts: Indices) -> list[int]:
+def copied_parts(rest: Stored, parts: Indices) -> list[int]:
     """The parts all of whose rest positions (n x 3, float32) repeat those of vertices of earlier parts.
 
     That is what duplicating a part leaves: its rest lies on top of the original's.
@@ -54,10 +58,11 @@ def fitted(rest: Array, current: Array, scaled: bool) -> Array:
     turn = left @ np.diag([1.0, 1.0, sign]) @ right
     spread = float((arms * arms).sum())
     scale = float(sizes @ [1.0, 1.0, sign]) / spread if scaled and spread > 0.0 else 1.0
-    return centre + scale * (arms @ turn.T)
+    result: Array = centre + scale * (arms @ turn.T)
+    return result
 
 
-def completed(rest: Array, current: Array, triangles: Indices, known: np.ndarray) -> Array:
+def completed(rest: Array, current: Array, triangles: Indices, known: Mask) -> Array:
     """n x 2 rest positions in which those that are not `known` (mask n) continue the known ones around them.
 
     Each takes its place from its known neighbours as if the current shape around it were turned back rigidly
@@ -92,12 +97,12 @@ def completed(rest: Array, current: Array, triangles: Indices, known: np.ndarray
     return np.stack([flat_rest.real, flat_rest.imag], axis=1)
 
 
-def _gathered(values: np.ndarray, target: Indices, chosen: np.ndarray, count: int) -> np.ndarray:
+def _gathered(values: Complex, target: Indices, chosen: Mask, count: int) -> Complex:
     result = np.zeros(count, np.complex128)
     np.add.at(result, target[chosen], values[chosen])
     return result
 
 
-def _unit(values: np.ndarray) -> np.ndarray:
+def _unit(values: Complex) -> Complex:
     sizes = np.abs(values)
     return np.where(sizes > 0.0, values / np.where(sizes > 0.0, sizes, 1.0), 1.0)

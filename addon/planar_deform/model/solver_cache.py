@@ -18,14 +18,16 @@ CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
 @dataclass
 class _Entry:
     cutout: Cutout
-    options: tuple[str, float]
+    options: tuple[native.Method, float]
     poser: native.Poser
 
 
 _entries: OrderedDict[int, _Entry] = OrderedDict()
 
 
-def poser_for(key: int, cutout: Cutout, method: str, pin_weight: float, positions: Array) -> native.Poser:
+def poser_for(
+    key: int, cutout: Cutout, method: native.Method, pin_weight: float, positions: Array
+) -> native.Poser:
     """A solver for the object with this key, standing at n x 2 `positions`.
 
     A kept one is used only when triangles, rest shape and options are the same to the bit. It is always
