@@ -5,7 +5,7 @@ import numpy as np
 
 
 def bar(columns=8, rows=5, hole=True):
-    """A jittered grid of (columns + 1) x (rows + 1) vertices with, if asked for, two triangles cut out of its middle."""
+    """A jittered grid of (columns + 1) x (rows + 1) vertices; a hole is two triangles less in the middle."""
     x, y = np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0))
     vertices = np.column_stack([x.ravel(), y.ravel()])
     vertices += np.random.default_rng(7).uniform(-0.2, 0.2, vertices.shape)
@@ -36,7 +36,7 @@ def boundary(triangles):
 
 
 def killing_rows(vertices, triangles, stiffness=None):
-    """P of (6) as METHODS corrects it: rows weighted by the square root of the area; unknowns are (U1, U2)."""
+    """P of (6) with its rows weighted by the square root of the area, as (2) asks; unknowns are (U1, U2)."""
     n, m = len(vertices), len(triangles)
     area, gradient = gradients(vertices, triangles)
     weight = np.sqrt(area * (np.ones(m) if stiffness is None else stiffness))
@@ -51,7 +51,7 @@ def killing_rows(vertices, triangles, stiffness=None):
 
 
 def killing_field(vertices, triangles, handles, velocities, pin_weight, hard, dirichlet, stiffness=None):
-    """(7), with hard handles by a Lagrange multiplier each, then (8). `handles` is k x n: weights of the vertices."""
+    """(7), hard handles by Lagrange multipliers, then (8). `handles` is k x n: weights of the vertices."""
     n = len(vertices)
     rows = killing_rows(vertices, triangles, stiffness)
     energy = rows.T @ rows
@@ -72,7 +72,7 @@ def killing_field(vertices, triangles, handles, velocities, pin_weight, hard, di
 
 
 def advance_along_spirals(vertices, triangles, velocities):
-    """(14)-(16) as METHODS writes them: the mean over a vertex's edges of p + u (e^z - 1) / z."""
+    """(14)-(16) without their poles: the mean over a vertex's edges of p + u (e^z - 1) / z."""
     p = vertices @ [1, 1j]
     u = velocities @ [1, 1j]
     neighbours = [set() for _ in p]
@@ -91,7 +91,7 @@ def advance_along_spirals(vertices, triangles, velocities):
 
 
 def distortion(rest, posed, triangles):
-    """E_area and E_angle per triangle, from singular values (AKVF, section 3.3), and the triangles' areas at rest."""
+    """E_area and E_angle per triangle from singular values (AKVF, section 3.3), and the areas at rest."""
     area, gradient = gradients(rest, triangles)
     jacobian = np.swapaxes(posed[triangles], 1, 2) @ np.swapaxes(gradient, 1, 2)
     first, second = np.linalg.svd(jacobian, compute_uv=False).T

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The module among threads: solves run without the GIL, and side by side they give the same bits as one after another."""
+"""The module among threads: solves run without the GIL, and side by side give the same bits as in turn."""
 
 import threading
 import time
 
 import native_reference as reference
 import numpy as np
-import planar_native
 import pytest
+
+import planar_native
 
 
 def drag(poser, rest, handles, turn):
@@ -65,7 +66,7 @@ def test_two_posers_in_two_threads_give_the_bits_of_one_after_the_other(mesh):
 
 
 def test_one_poser_in_two_threads_makes_calls_wait_for_each_other(mesh):
-    """Every result is one of a call that ran alone: here all calls ask for the same move, so there is one sequence."""
+    """Every result is that of a call that ran alone: all ask for the same move, so there is one sequence."""
     rest, triangles = mesh
     handles = np.array([0, 40, 500])
     targets = rest[handles] + [[0.0, 0.0], [2.0, 3.0], [0.0, 1.0]]

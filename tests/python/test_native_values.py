@@ -3,8 +3,9 @@
 
 import native_reference as reference
 import numpy as np
-import planar_native
 import pytest
+
+import planar_native
 
 HANDLES = np.array([0, 8, 49])
 BARYCENTRIC = (np.array([3, 40, 70]), np.array([[0.2, 0.3, 0.5], [1 / 3, 1 / 3, 1 / 3], [0.0, 0.25, 0.75]]))
@@ -101,7 +102,7 @@ def test_poser_turns_rigid_motion_into_rigid_motion():
     posed = poser.move(start)
     for _ in range(20):
         posed = poser.settle()
-    # AKVF forgets the rest shape, so what is left is the soft handles' residual of the chords, not solver error.
+    # AKVF forgets the rest shape: what is left is what soft handles lose along the way, not solver error.
     assert planar_native.distortion(vertices, posed, triangles).area == pytest.approx(2, abs=1e-2)
     assert poser.report.furthest_handle < 0.05
 

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Deforms planar triangle meshes by handles: as-Killing-as-possible vector fields (AKVF) and their relatives.
 
-NumPy arrays go in and out: positions are n x 2 float64 in any unit of length, triangles m x 3 vertex indices of either
-orientation. Real and integer arrays of any layout are converted; nothing passed in is ever changed or kept.
+NumPy arrays go in and out: positions are n x 2 float64 in any unit of length, triangles m x 3 vertex indices
+of either orientation. Real and integer arrays of any layout are converted; nothing passed in changes.
 
 Handles, k of them, are given as vertex indices (an integer array of k) or as points inside triangles: a tuple
 (triangle indices k, barycentric weights k x 3).
 
-Errors: ValueError names the argument and, where there is one, the row; TypeError is for options of the wrong Python type;
-SolveError (a RuntimeError) is a numerical failure. A call that raises leaves every object as it was.
+Errors: ValueError names the argument and, where there is one, the row; TypeError is for options of a wrong
+type; SolveError (a RuntimeError) is a numerical failure. A call that raises leaves every object as it was.
 
 Every solve runs without the GIL.
 """
