@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +26,7 @@ CAPTION = 44
 
 @dataclass(frozen=True)
 class View:
-    """What a cell shows of the front view: the lower left corner (x, z), world units a pixel, and its pixels."""
+    """What a cell shows of the front view: lower left corner (x, z), world units a pixel, size in pixels."""
 
     left: float
     bottom: float
@@ -38,8 +41,13 @@ class View:
         return cls(centre_x - 0.5 * width * unit, bottom, unit, width, height)
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
-        """World points n×2 (x, z) in pixels from the upper left."""
-        return np.column_stack([(points[:, 0] - self.left), self.height * self.unit - (points[:, 1] - self.bottom)]) / self.unit
+        """World points n x 2 (x, z) in pixels from the upper left."""
+        return (
+            np.column_stack(
+                [(points[:, 0] - self.left), self.height * self.unit - (points[:, 1] - self.bottom)]
+            )
+            / self.unit
+        )
 
 
 def prepare_scene(scene: bpy.types.Scene) -> None:
@@ -62,15 +70,34 @@ def prepare_scene(scene: bpy.types.Scene) -> None:
     scene.cycles.transparent_max_bounces = 16
 
 
+@contextmanager
+def silenced_blender() -> Iterator[None]:
+    """Drops what Blender's C code prints while it renders and saves, a line for each sample."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    with Path(os.devnull).open("w") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
 def render(scene: bpy.types.Scene, view: View) -> Image.Image:
     """The scene through a view, transparent where there is nothing."""
     camera = scene.camera
     camera.data.ortho_scale = max(view.width, view.height) * view.unit
-    camera.location = (view.left + 0.5 * view.width * view.unit, -10.0, view.bottom + 0.5 * view.height * view.unit)
+    camera.location = (
+        view.left + 0.5 * view.width * view.unit,
+        -10.0,
+        view.bottom + 0.5 * view.height * view.unit,
+    )
     scene.render.resolution_x, scene.render.resolution_y = view.width, view.height
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "view.png")
-        bpy.ops.render.render(write_still=True)
+        with silenced_blender():
+            bpy.ops.render.render(write_still=True)
         with Image.open(scene.render.filepath) as picture:
             return picture.convert("RGBA")
 
@@ -79,7 +106,7 @@ def cell(
     picture: Image.Image, view: View, points: np.ndarray, pins: Mapping[str, np.ndarray], patches: set[str],
     ground: tuple[int, int, int], mesh_edges: np.ndarray | None = None,
 ) -> Image.Image:  # fmt: skip
-    """A picture on coloured ground with a shadow at z = 0, its pins (patches as squares) and, if given, its edges."""
+    """A picture on coloured ground with its shadow at z = 0, its pins (patches as squares), and its edges."""
     size = (view.width * FINE, view.height * FINE)
     paper = Image.new("RGB", size, ground)
     shadow = Image.new("L", size)
@@ -89,7 +116,9 @@ def cell(
     # The higher the drawing floats above the ground, the narrower and fainter its shadow.
     lift = max(0.0, points[:, 1].min())
     shrink = 0.14 * (right - left) * (1 + min(lift, 1.0))
-    ImageDraw.Draw(shadow).ellipse((left + shrink, floor - 16, right - shrink, floor + 16), fill=round(120 - 50 * min(lift, 1.0)))
+    ImageDraw.Draw(shadow).ellipse(
+        (left + shrink, floor - 16, right - shrink, floor + 16), fill=round(120 - 50 * min(lift, 1.0))
+    )
     paper.paste(Image.new("RGB", size, INK), mask=shadow.filter(ImageFilter.GaussianBlur(9)))
     large = picture.resize(size, Image.Resampling.LANCZOS)
     paper.paste(large, mask=large.getchannel("A"))
@@ -118,12 +147,16 @@ def sheet(title: str, rows: Sequence[Sequence[tuple[str, str, Image.Image]]]) ->
         x = GAP
         for label, note, picture in row:
             mask = Image.new("L", picture.size)
-            ImageDraw.Draw(mask).rounded_rectangle((0, 0, picture.width - 1, picture.height - 1), 14, fill=255)
+            ImageDraw.Draw(mask).rounded_rectangle(
+                (0, 0, picture.width - 1, picture.height - 1), 14, fill=255
+            )
             page.paste(picture, (x, y), mask)
             font = ImageFont.load_default(22)
             draw.text((x + 6, y + picture.height + 7), label, font=font, fill=INK)
             indent = x + 6 + draw.textlength(label, font=font) + 12
-            draw.text((indent, y + picture.height + 12), note, font=ImageFont.load_default(16), fill=(130, 116, 122))
+            draw.text(
+                (indent, y + picture.height + 12), note, font=ImageFont.load_default(16), fill=(130, 116, 122)
+            )
             x += picture.width + GAP
         y += row[0][2].height + CAPTION + GAP
     return page

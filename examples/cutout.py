@@ -24,7 +24,7 @@ PADDING = 4  # pixels between layers in the texture
 
 @dataclass(frozen=True)
 class LayerMesh:
-    """A triangulated layer: points n×2 in the drawing's units, triangles m×3 (counterclockwise)."""
+    """A triangulated layer: points n x 2 in the drawing's units, triangles m x 3 (counterclockwise)."""
 
     layer: Layer
     points: np.ndarray
@@ -32,7 +32,7 @@ class LayerMesh:
 
 
 def silhouette(layer: Layer) -> Polygon:
-    """What the layer's mesh fills: its painted shapes, a margin around them, tiny notches closed; holes stay."""
+    """What the layer's mesh fills: painted shapes and a margin; tiny notches are closed, holes stay."""
     closed = layer.silhouette.buffer(MARGIN + ROUNDING).buffer(-ROUNDING)
     if isinstance(closed, MultiPolygon):
         raise ValueError(f"layer {layer.name!r} falls into {len(closed.geoms)} pieces; make a layer of each")
@@ -42,8 +42,9 @@ def silhouette(layer: Layer) -> Polygon:
 def triangulate(outline: Polygon, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """Fills a polygon (holes allowed) with triangles of nearly equal sides.
 
-    Points at even steps along the rings and a hexagonal grid inside, joined by Blender's constrained Delaunay
-    triangulation; the grid's points then move to the mean of their neighbours and are joined anew, a few times.
+    Points at even steps along the rings and a hexagonal grid inside, joined by Blender's constrained
+    Delaunay triangulation; the grid's points then move to the mean of their neighbours and are joined anew,
+    a few times.
     """
     rings = [_even_ring(ring, spacing) for ring in (outline.exterior, *outline.interiors)]
     boundary = np.concatenate(rings)
@@ -64,7 +65,9 @@ def triangulate(outline: Polygon, spacing: float) -> tuple[np.ndarray, np.ndarra
 
 def _even_ring(ring: shapely.LinearRing, spacing: float) -> np.ndarray:
     count = max(8, round(ring.length / spacing))
-    return shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True))
+    return shapely.get_coordinates(
+        shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True)
+    )
 
 
 def _hexagonal_points(area: Polygon, spacing: float) -> np.ndarray:
@@ -113,16 +116,17 @@ def smallest_angle(points: np.ndarray, triangles: np.ndarray) -> float:
 def build(name: str, layers: Sequence[Layer], spacing: float, pixels_per_unit: float) -> bpy.types.Object:
     """The character as an object standing in the XZ plane, seen from -Y (front view), its picture packed.
 
-    Each layer is a connected part at y = its depth, and owns a vertex group of its name (all its vertices, weight 1)
-    only while the caller needs it: see `layer_vertices`.
+    Each layer is a connected part at y = its depth.
     """
     meshes = [LayerMesh(layer, *triangulate(silhouette(layer), spacing)) for layer in layers]
     sheet, offsets = _texture(meshes, pixels_per_unit)
 
     points = np.concatenate([np.insert(m.points, 1, m.layer.depth, axis=1) for m in meshes])
-    pixels = np.concatenate([m.points * pixels_per_unit + offset for m, offset in zip(meshes, offsets)])
+    pixels = np.concatenate(
+        [m.points * pixels_per_unit + offset for m, offset in zip(meshes, offsets, strict=True)]
+    )
     starts = np.cumsum([0] + [len(m.points) for m in meshes])
-    triangles = np.concatenate([m.triangles + start for m, start in zip(meshes, starts)])
+    triangles = np.concatenate([m.triangles + start for m, start in zip(meshes, starts[:-1], strict=True)])
 
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(points.tolist(), [], triangles.tolist())
@@ -141,7 +145,7 @@ def layer_vertices(obj: bpy.types.Object, layer: Layer) -> np.ndarray:
 
 
 def _texture(meshes: Sequence[LayerMesh], scale: float) -> tuple[Image.Image, list[np.ndarray]]:
-    """All layers side by side in one image; per layer the pixel (from the lower left) of the drawing's origin."""
+    """All layers side by side in an image; per layer the pixel (from lower left) of the drawing's origin."""
     pictures, origins = [], []
     for m in meshes:
         left, bottom = m.points.min(axis=0)
@@ -153,7 +157,7 @@ def _texture(meshes: Sequence[LayerMesh], scale: float) -> tuple[Image.Image, li
     sheet = Image.new("RGBA", (width, height))
     offsets = []
     x = PADDING
-    for picture, origin in zip(pictures, origins):
+    for picture, origin in zip(pictures, origins, strict=True):
         sheet.paste(picture, (x, height - PADDING - picture.height))
         offsets.append(np.array([x, PADDING]) - scale * np.array(origin))
         x += picture.width + PADDING

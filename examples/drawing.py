@@ -6,13 +6,14 @@ Lengths are world units, x to the right and z up; only `Layer.paint` knows pixel
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from PIL import Image, ImageChops, ImageDraw, ImageFilter
 from shapely import affinity
-from shapely.geometry import LineString, MultiPolygon, Point, Polygon
+from shapely.geometry import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
@@ -25,9 +26,10 @@ SUPERSAMPLING = 3
 
 
 def curve(points: Sequence[tuple], closed: bool = True, samples: int = 12) -> np.ndarray:
-    """A smooth curve through points (x, z); a third entry "corner" lets the direction break there. Returns k×2.
+    """A smooth curve through points (x, z), as k x 2; a third entry "corner" lets the direction break there.
 
-    Centripetal-like Catmull-Rom: tangents are scaled by the shorter neighbour, so that uneven spacing does not loop.
+    Cubic Hermite pieces: the tangent at a point leans to its nearer neighbour and is as long as the piece, so
+    that uneven spacing does not loop.
     """
     xy = np.array([point[:2] for point in points], float)
     corner = np.array([len(point) > 2 for point in points])
@@ -42,8 +44,10 @@ def curve(points: Sequence[tuple], closed: bool = True, samples: int = 12) -> np
         end = chord if corner[j] or (not closed and j == n - 1) else _tangent(xy[i], xy[j], after, length)
         t = np.linspace(0, 1, samples, endpoint=False)[:, None]
         pieces.append(
-            (2 * t**3 - 3 * t**2 + 1) * xy[i] + (t**3 - 2 * t**2 + t) * start
-            + (3 * t**2 - 2 * t**3) * xy[j] + (t**3 - t**2) * end
+            (2 * t**3 - 3 * t**2 + 1) * xy[i]
+            + (t**3 - 2 * t**2 + t) * start
+            + (3 * t**2 - 2 * t**3) * xy[j]
+            + (t**3 - t**2) * end
         )
     if not closed:
         pieces.append(xy[-1:])
@@ -72,8 +76,8 @@ def limb(points: Sequence[tuple], radii: Sequence[float]) -> Polygon:
     spine = curve(points, closed=False, samples=10)
     knots = np.linspace(0, 1, len(radii))
     radius = np.interp(np.linspace(0, 1, len(spine)), knots, radii)
-    discs = [Point(*p).buffer(r, 16) for p, r in zip(spine, radius)]
-    return unary_union([unary_union(pair).convex_hull for pair in zip(discs, discs[1:])])
+    discs = [Point(*p).buffer(r, 16) for p, r in zip(spine, radius, strict=True)]
+    return unary_union([unary_union(pair).convex_hull for pair in itertools.pairwise(discs)])
 
 
 def line(points: Sequence[tuple], width: float = LINE_WIDTH) -> Polygon:
@@ -89,7 +93,7 @@ def moved(shape: BaseGeometry, dx: float, dz: float) -> BaseGeometry:
 def tint(colour: Colour, amount: float) -> Colour:
     """Darker (amount < 0, towards a warm violet) or lighter (amount > 0, towards a warm white)."""
     goal = (255, 246, 226) if amount > 0 else (58, 30, 66)
-    return tuple(round(c + (g - c) * abs(amount)) for c, g in zip(colour, goal))
+    return tuple(round(c + (g - c) * abs(amount)) for c, g in zip(colour, goal, strict=True))
 
 
 @dataclass
@@ -144,7 +148,13 @@ class Layer:
         self._add(inked, lambda canvas: canvas.fill(canvas.mask(inked), INK))
 
     def fill(
-        self, shape: BaseGeometry, colour: Colour, *, shade: float = 0.05, outline: bool = True, inside: BaseGeometry | None = None
+        self,
+        shape: BaseGeometry,
+        colour: Colour,
+        *,
+        shade: float = 0.05,
+        outline: bool = True,
+        inside: BaseGeometry | None = None,
     ) -> None:
         """A shape in one colour with a band of shadow (`shade` wide) away from the light, at the upper left.
 
@@ -161,13 +171,17 @@ class Layer:
             if shade:
                 shadow = canvas.mask(shape.difference(moved(shape, -shade, 0.9 * shade)), blur=0.10 * shade)
                 canvas.fill(ImageChops.multiply(shadow, body), tint(colour, -0.30))
-                light = canvas.mask(shape.difference(moved(shape, 0.45 * shade, -0.5 * shade)), blur=0.15 * shade)
+                light = canvas.mask(
+                    shape.difference(moved(shape, 0.45 * shade, -0.5 * shade)), blur=0.15 * shade
+                )
                 canvas.fill(ImageChops.multiply(light, body), tint(colour, 0.40), opacity=0.75)
 
         self._add(shape, brush)
 
-    def gradient(self, shape: BaseGeometry, colour: Colour, inside: BaseGeometry, blur: float, opacity: float = 1.0) -> None:
-        """A soft-edged colour within another shape: cheeks, belly glow, the shadow one part throws on the next."""
+    def gradient(
+        self, shape: BaseGeometry, colour: Colour, inside: BaseGeometry, blur: float, opacity: float = 1.0
+    ) -> None:
+        """A soft-edged colour within another shape: cheeks, a glow, the shadow of one part on the next."""
 
         def brush(canvas: Canvas) -> None:
             canvas.fill(ImageChops.multiply(canvas.mask(shape, blur), canvas.mask(inside)), colour, opacity)
@@ -193,8 +207,10 @@ class Layer:
             # A brush only touches its own neighbourhood: paint a crop, not the sheet.
             x0, z0, x1, z1 = shape.bounds
             box = (
-                max(0, int((x0 - left) * fine) - 4), max(0, int((top - z1) * fine) - 4),
-                min(size[0], int((x1 - left) * fine) + 5), min(size[1], int((top - z0) * fine) + 5),
+                max(0, int((x0 - left) * fine) - 4),
+                max(0, int((top - z1) * fine) - 4),
+                min(size[0], int((x1 - left) * fine) + 5),
+                min(size[1], int((top - z0) * fine) + 5),
             )
             canvas = Canvas((left + box[0] / fine, top - box[1] / fine), fine, image.crop(box))
             brush(canvas)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins for a character, and poses reached by the add-on's own operators, as an animator's hand would reach them.
+"""Pins for a character, and poses reached by the add-on's operators, as an animator's hand would reach them.
 
-A pose is written as the turns of an imaginary skeleton through the pins. It only says where pins go: the drawing
-itself follows by the solver, never by bones.
+A pose is written as the turns of an imaginary skeleton through the pins. It only says where pins go: the
+drawing itself follows by the solver, never by bones.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ import numpy as np
 
 from cutout import layer_vertices
 from drawing import Layer
+from planar_deform.model.posing import RAMP_SAMPLES
+from planar_deform.operators.drag import pack_path
 
-ROUNDS = 10  # a pose is reached in so many small drags of each pin, along the arc a hand would follow
-SMALLEST_DRAG = 1e-4  # world units; nobody sees less
+LARGEST_TURN = np.radians(5)  # from one sample of a turn to the next, as a calm hand would move
 
 
 @dataclass(frozen=True)
 class PinPlan:
-    """A pin of a character: in which layer, where (x, z), and the pin it turns about. A radius makes it a patch."""
+    """A pin: in which layer, where (x, z), and the pin it turns about. A radius makes it a patch."""
 
     name: str
     layer: str
@@ -34,12 +35,27 @@ class PinPlan:
 
 @dataclass(frozen=True)
 class Pose:
-    """Turns in degrees, counterclockwise as seen, by pin name: the line from its parent to it turns so far from
-    rest. A pin without an entry turns with its parent. `step` moves the pins without a parent."""
+    """Turns in degrees, counterclockwise as seen, by pin name: how far the line from its parent to it turns
+    from rest. A pin without an entry turns with its parent. `step` moves all pins."""
 
     name: str
     turns: Mapping[str, float]
     step: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass
+class Effort:
+    """What a pose took: drags (and turns), mouse positions along them, and wall time in seconds."""
+
+    drags: int = 0
+    samples: int = 0
+    seconds: float = 0.0
+
+    def add(self, samples: int, seconds: float) -> None:
+        """Counts one drag."""
+        self.drags += 1
+        self.samples += samples
+        self.seconds += seconds
 
 
 def add_pins(obj: bpy.types.Object, layers: Sequence[Layer], plans: Sequence[PinPlan]) -> None:
@@ -54,7 +70,7 @@ def add_pins(obj: bpy.types.Object, layers: Sequence[Layer], plans: Sequence[Pin
 
 
 def shown_points(obj: bpy.types.Object) -> np.ndarray:
-    """The posed shape, n×2 (x, z) in the object's space: the active shape key, else the mesh."""
+    """The posed shape, n x 2 (x, z) in the object's space: the active shape key, else the mesh."""
     key = obj.active_shape_key
     data = key.data if key else obj.data.vertices
     points = np.empty(3 * len(data), np.float32)
@@ -69,13 +85,15 @@ def pin_points(obj: bpy.types.Object) -> dict[str, np.ndarray]:
     for vertex in obj.data.vertices:
         for group in vertex.groups:
             members.setdefault(group.group, []).append(vertex.index)
-    return {pin.group: points[members[obj.vertex_groups[pin.group].index]].mean(axis=0) for pin in obj.planar.pins}
+    return {
+        pin.group: points[members[obj.vertex_groups[pin.group].index]].mean(axis=0) for pin in obj.planar.pins
+    }
 
 
-def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose) -> list[float]:
-    """Poses a new shape key of the object, named after the pose, by dragging and turning pins one at a time.
+def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose) -> Effort:
+    """Poses a new shape key of the object, named after the pose.
 
-    Returns the wall time of every drag and turn in seconds.
+    All pins move by the step, then one limb after the other turns about its joint.
     """
     for other in obj.data.shape_keys.key_blocks[1:]:
         other.value = 0.0
@@ -83,45 +101,58 @@ def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose) -> list[
     key.value = 1.0
     obj.active_shape_key_index = len(obj.data.shape_keys.key_blocks) - 1
 
-    calls: list[float] = []
-    at = pin_points(obj)
-    rest = dict(at)
-    angle = {plan.name: 0.0 for plan in plans}
-    index = {pin.group: i for i, pin in enumerate(obj.planar.pins)}
-    for k in range(1, ROUNDS + 1):
-        goals, turns = _goals(plans, rest, pose, k / ROUNDS)
-        for plan in plans:
-            offset = goals[plan.name] - at[plan.name]
-            turn = turns[plan.name] - angle[plan.name] if plan.radius else 0.0
-            if np.hypot(*offset) < SMALLEST_DRAG and abs(turn) < SMALLEST_DRAG:
-                continue
-            bpy.ops.planar.select_pins(action="SELECT", pin=index[plan.name])
-            start = time.perf_counter()
-            if np.hypot(*offset) >= SMALLEST_DRAG:
-                bpy.ops.planar.drag_pins(offset=tuple(offset))
-                calls.append(time.perf_counter() - start)
-                start = time.perf_counter()
-            if abs(turn) >= SMALLEST_DRAG:
-                bpy.ops.planar.rotate_pins(angle=turn)
-                calls.append(time.perf_counter() - start)
-            at[plan.name], angle[plan.name] = goals[plan.name], angle[plan.name] + turn
-    return calls
-
-
-def _goals(
-    plans: Sequence[PinPlan], rest: Mapping[str, np.ndarray], pose: Pose, fraction: float
-) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-    """Where the imaginary skeleton takes every pin at a fraction of the pose, and how far each has turned."""
-    goals: dict[str, np.ndarray] = {}
-    turns: dict[str, float] = {}
+    effort = Effort()
+    places = pin_points(obj)
+    if any(pose.step):
+        bpy.ops.planar.select_pins(action="ALL")
+        start = time.perf_counter()
+        bpy.ops.planar.drag_pins(offset=pose.step)
+        effort.add(RAMP_SAMPLES, time.perf_counter() - start)
+        places = {name: place + pose.step for name, place in places.items()}
+    turned: dict[str, float] = {}
     for plan in plans:
-        inherited = turns[plan.parent] if plan.parent else 0.0
-        turn = np.radians(pose.turns[plan.name]) * fraction if plan.name in pose.turns else inherited
-        turns[plan.name] = turn
-        if plan.parent is None:
-            goals[plan.name] = rest[plan.name] + fraction * np.array(pose.step)
-        else:
-            x, z = rest[plan.name] - rest[plan.parent]
-            arm = np.array([np.cos(turn) * x - np.sin(turn) * z, np.sin(turn) * x + np.cos(turn) * z])
-            goals[plan.name] = goals[plan.parent] + arm
-    return goals, turns
+        inherited = turned[plan.parent] if plan.parent else 0.0
+        turned[plan.name] = np.radians(pose.turns[plan.name]) if plan.name in pose.turns else inherited
+        angle = turned[plan.name] - inherited
+        if angle:
+            start = time.perf_counter()
+            samples = _turn_limb(obj, plans, places, plan, angle)
+            effort.add(samples, time.perf_counter() - start)
+    return effort
+
+
+def _turn_limb(
+    obj: bpy.types.Object,
+    plans: Sequence[PinPlan],
+    places: dict[str, np.ndarray],
+    plan: PinPlan,
+    angle: float,
+) -> int:
+    """Turns a pin and all that hang on it about its parent, and updates their places.
+
+    Returns the number of mouse positions of the turn.
+    """
+    joint = places[plan.parent or plan.name]
+    limb = {plan.name}
+    for other in plans:
+        if other.parent in limb:
+            limb.add(other.name)
+    bpy.ops.planar.select_pins(action="NONE")
+    for i, pin in enumerate(obj.planar.pins):
+        if pin.group in limb:
+            bpy.ops.planar.select_pins(action="SELECT", pin=i, extend=True)
+    # Pins turn about their own middle; a recorded path can move that along its arc about the joint.
+    middle = np.mean([places[name] for name in limb], axis=0)
+    path = []
+    for part in np.linspace(0, 1, 1 + max(2, round(abs(angle) / LARGEST_TURN)))[1:]:
+        offset = _rotated(middle - joint, part * angle) + joint - middle
+        path.append((*offset, part * angle))
+    bpy.ops.planar.rotate_pins(angle=angle, path=pack_path(path))
+    for name in limb:
+        places[name] = joint + _rotated(places[name] - joint, angle)
+    return len(path)
+
+
+def _rotated(vector: np.ndarray, angle: float) -> np.ndarray:
+    x, z = vector
+    return np.array([np.cos(angle) * x - np.sin(angle) * z, np.sin(angle) * x + np.cos(angle) * z])
