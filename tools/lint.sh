@@ -34,7 +34,7 @@ check ruff "$ruff" check --no-cache .
 check ruff-format "$ruff" format --no-cache --check .
 check mypy .venv/bin/mypy addon/planar_deform/model tools
 check shellcheck shellcheck --external-sources "${shell[@]}"
-check registration .venv/bin/python tools/check_registration.py
+check registration .venv/bin/python -m pytest blender_tests/data/test_registration.py
 
 echo
 echo "$((checks - failures)) passed, $failures failed"

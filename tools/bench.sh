@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Prints the tables of the native solver's speed, then what a drag costs in Blender's window.
+# usage: tools/bench.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+PATH=/usr/bin:/bin:$PATH # the distribution's cmake and compiler, before a user's own
+tools/setup.sh native
+cmake --preset release >/dev/null
+cmake --build build/release --parallel "$(nproc)" --target planar_benchmarks
+build/release/benchmarks/planar_benchmarks
+tools/window_tests.sh blender_tests/window/event_cost.py
