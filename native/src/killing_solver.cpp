@@ -40,12 +40,14 @@ KillingSolver::System::System(const Mesh& mesh, std::vector<int> kept, Backend b
 
 KillingSolver::KillingSolver(Mesh mesh, Options options) : mesh_(std::move(mesh)), options_(options) {}
 
-void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& weights) {
+void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& weights,
+                                const std::vector<char>& patch) {
   require_rows("handles.weights", handles.weights.rows(), handles.size(), "handle");
   std::vector<Pin> points;
   for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
     Pin pin{};
     pin.strength = weights[row];
+    pin.patch = !patch.empty() && patch[at(row)];
     pin.rows = {row};
     std::array<std::pair<int, double>, 3> corner;
     for (int c = 0; c < 3; ++c) {
@@ -89,6 +91,7 @@ void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& w
                    [](double a, double b) { return std::abs(a - b) <= same_weights; })) {
       pins.back().rows.push_back(point.rows[0]);
       pins.back().strength = std::max(pins.back().strength, point.strength);
+      pins.back().patch = pins.back().patch || point.patch;
     } else {
       pins.push_back(std::move(point));
     }
@@ -100,16 +103,16 @@ void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& w
     if (mesh_.interior[at(v)]) inside.push_back(v);
   }
   if (!all_ && !pins.empty()) all_.emplace(mesh_, std::move(used), options_.backend);
-  const bool correct = options_.dirichlet && std::any_of(pins.begin(), pins.end(), [this](const Pin& pin) {
-                         return touches_interior(pin);
-                       });
+  const bool correct = options_.dirichlet && std::any_of(pins.begin(), pins.end(),
+                                                         [this](const Pin& pin) { return is_smoothed(pin); });
   if (!inside_ && correct) inside_.emplace(mesh_, std::move(inside), options_.backend);
   force_.resize(pins.size());
   pins_ = std::move(pins);
 }
 
-bool KillingSolver::touches_interior(const Pin& pin) const {
-  return std::any_of(pin.vertex.begin(), pin.vertex.begin() + static_cast<std::ptrdiff_t>(pin.n_corners),
+bool KillingSolver::is_smoothed(const Pin& pin) const {
+  return !pin.patch &&
+         std::any_of(pin.vertex.begin(), pin.vertex.begin() + static_cast<std::ptrdiff_t>(pin.n_corners),
                      [this](int v) { return mesh_.interior[at(v)] != 0; });
 }
 
@@ -159,7 +162,7 @@ void KillingSolver::solve(const Points& x, const Eigen::VectorXd& stiffness, con
   fit_rigid_fields(x, velocities);
   const bool any_bent = std::any_of(bent_.begin(), bent_.end(), [](char bent) { return bent != 0; });
   const bool correct = options_.dirichlet && std::any_of(pins_.begin(), pins_.end(), [this](const Pin& pin) {
-                         return pin.part >= 0 && bent_[at(pin.part)] && touches_interior(pin);
+                         return pin.part >= 0 && bent_[at(pin.part)] && is_smoothed(pin);
                        });
   if (any_bent) {
     const auto factor_inside = [this, &x, &stiffness] {
@@ -289,7 +292,7 @@ void KillingSolver::correct_interior() {
   unknown.setZero();
   for (std::size_t i = 0; i < pins_.size(); ++i) {
     const Pin& pin = pins_[i];
-    if (pin.part < 0 || !bent_[at(pin.part)]) continue;
+    if (pin.part < 0 || !bent_[at(pin.part)] || pin.patch) continue;
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
       const int place = inside_->killing.place(pin.vertex[c]);
       if (place >= 0) unknown.segment<2>(2 * place) -= pin.weight[c] * force_[i].transpose();

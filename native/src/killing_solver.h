@@ -27,8 +27,14 @@ class KillingSolver {
   KillingSolver(Mesh mesh, Options options);
 
   /// \param weights k: λ² of each handle
+  ///
+  /// \param patch k flags, or empty: handles that (8) is not to smooth away. Smoothing is for handles that
+  /// pull at a single point of the interior; a patch spreads its pull, and (8) would lose the turn of a patch
+  /// that lies inside.
+  ///
   /// \throw std::invalid_argument a handle is not inside a triangle, edge or vertex of the mesh
-  void set_handles(const Handles& handles, const Eigen::VectorXd& weights);
+  void set_handles(const Handles& handles, const Eigen::VectorXd& weights,
+                   const std::vector<char>& patch = {});
 
   /// The field (n×2) of the mesh at x (n×2) with `stiffness` (m, or empty: all 1) for handle velocities
   /// (k×2), all finite. See killing_field. 	hrow SolveError
@@ -44,6 +50,7 @@ class KillingSolver {
     std::size_t n_corners;
     double strength;  ///< λ²
     int part;
+    bool patch;
     std::vector<int> rows;
     Eigen::RowVector2d position,
         velocity;  ///< of the current solve; velocity relative to the part's rigid field
@@ -67,7 +74,7 @@ class KillingSolver {
   };
 
   void fit_rigid_fields(const Points& x, const Points& velocities);
-  bool touches_interior(const Pin& pin) const;
+  bool is_smoothed(const Pin& pin) const;
   void solve_soft();
   void solve_hard();
   void correct_interior();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "checks.h"
+#include "handle_motion.h"
 #include "killing_solver.h"
 #include "orientation.h"
 #include "spirals.h"
@@ -55,6 +56,7 @@ struct Poser::State {
   Orientation orientation;
   TriangleGuard guard;
   Handles handles;
+  std::vector<MovingTogether> together;
   Points positions;
   double diagonal;
   std::optional<Points> targets;
@@ -69,7 +71,7 @@ struct Poser::State {
 void Poser::State::step(const Points& towards, Report& done) {
   ++done.iterations;
   for (int substep = 0; substep < substep_budget; ++substep) {
-    const Points velocities = towards - handles.positions(current);
+    const Points velocities = velocities_towards(handles.positions(current), towards, together);
     if (velocities.isZero(0.0)) return;
     guard.stiffness(current, stiffness);
     solver.solve(current, stiffness, velocities, field);
@@ -131,13 +133,28 @@ void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorX
     require_positive("weights", weights);
     strength.array() *= weights.array();
   }
+  std::map<int, std::vector<int>> pins, parts;
   if (groups.size() != 0) {
     require_rows("groups", groups.size(), handles.size(), "handle");
-    std::map<int, int> members;
-    for (const int group : groups) ++members[group];
-    for (Eigen::Index i = 0; i < strength.size(); ++i) strength[i] /= members[groups[i]];
+    for (int row = 0; row < static_cast<int>(groups.size()); ++row) pins[groups[row]].push_back(row);
   }
-  state_->solver.set_handles(handles, strength);
+  std::vector<char> patch(static_cast<std::size_t>(handles.size()));
+  for (const auto& [label, rows] : pins) {
+    if (rows.size() < 2) continue;
+    for (const int row : rows) {
+      strength[row] /= static_cast<double>(rows.size());
+      patch[static_cast<std::size_t>(row)] = 1;
+    }
+  }
+  state_->solver.set_handles(handles, strength, patch);
+
+  for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
+    parts[state_->solver.mesh().part[static_cast<std::size_t>(handles.vertices(row, 0))]].push_back(row);
+  }
+  std::vector<MovingTogether> together;
+  for (auto& [part, rows] : parts) together.push_back({std::move(rows), false});
+  for (auto& [label, rows] : pins) together.push_back({std::move(rows), true});
+  state_->together = std::move(together);
   state_->handles = std::move(handles);
   state_->targets.reset();
 }

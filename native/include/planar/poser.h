@@ -31,20 +31,35 @@ struct Report {
 };
 
 /// Poses a mesh by dragging handles: registered with the rest shape, compiled with the handles, moved with
-/// their targets. \code
+/// their targets.
+///
+/// \code
 ///   Poser poser(rest, triangles);
 ///   poser.set_handles(Handles::at_vertices(vertex, rest.rows()));
 ///   for (const Points& targets : path) show(poser.move(targets));
 /// \endcode
-/// The mesh's topology is analysed once; changing handles costs no new analysis. A drag of a few pins is
-/// cheap, whatever the mesh was before: handles are points of the mesh, so their targets are compared with
-/// where they are now.
+///
+/// The mesh's topology is analysed once; changing handles costs no new analysis.
+///
+/// Method akvf is the step of Solomon et al. 2011 (killing_field, then advance_along_spirals) from where the
+/// handles are to their targets, so that errors do not add up. Departures, none of which changes a step of
+/// point handles while every triangle is near its rest shape:
+///
+///  - the targets of a patch, or of all handles of a part, that turn as a whole are approached by turning
+///  (differences would shrink);
+///
+///  - (8) smooths point handles only, as it would lose the turn of a patch that lies inside;
+///
+///  - triangles squeezed to less than about 0.38 of their rest width are stiffened, and where (16) would take
+///  30 % of a triangle's area
+///    in a substep, its vertices share the mean of their factors φ. The paper's step inverts triangles on
+///    most large poses.
 class Poser {
  public:
   /// λ² of a pin when PoserOptions::pin_weight is empty. On twelve published poses of drawn characters, 40
   /// moves each, handles end 0.0008-0.047 of the diagonal from their targets at λ² = 1, 0.0001-0.007 at 100,
-  /// and no nearer above that.
-  static constexpr double default_pin_weight = 100.0;
+  /// and no nearer above that; patches that are turned profit up to 1000.
+  static constexpr double default_pin_weight = 1000.0;
 
   /// \param rest n×2 rest shape, the reference of flips and tolerances, and the first positions
   /// \param triangles m×3
@@ -55,20 +70,31 @@ class Poser {
   ~Poser();
 
   /// Replaces all handles; positions stay.
+  ///
   /// \param weights k factors above 0 on pin_weight, or empty: all 1
+  ///
   /// \param groups k labels, or empty: all different. Handles with equal labels are one pin (a patch) and
-  /// share its weight. \throw std::invalid_argument as killing_field for the handles, else mismatched sizes
-  /// or weights not above 0
+  /// share its weight.
+  ///
+  /// \throw std::invalid_argument as killing_field for the handles, else mismatched sizes or weights not
+  /// above 0
   void set_handles(Handles handles, Eigen::VectorXd weights = {}, Eigen::VectorXi groups = {});
 
   /// One step of the handles towards `targets` (k×2), and of the mesh with them. The step is cut into
   /// substeps such that no triangle inverts and no edge turns or stretches by more than 15° (0.26) in one; at
-  /// most 32 in a call. \return the new positions (n×2), valid until the object changes \throw
-  /// std::invalid_argument not k×2 or not finite \throw SolveError the field could not be solved
+  /// most 32 in a call.
+  ///
+  /// \return the new positions (n×2), valid until the object changes
+  ///
+  /// \throw std::invalid_argument not k×2 or not finite
+  ///
+  /// \throw SolveError the field could not be solved
   const Points& move(const Points& targets);
 
   /// Repeats steps towards the last targets until the handles stop getting nearer, at most 32 steps. Without
-  /// targets: nothing. \throw SolveError as move
+  /// targets: nothing.
+  ///
+  /// \throw SolveError as move
   const Points& settle();
 
   /// Back to the rest shape. Handles stay, targets are forgotten.
