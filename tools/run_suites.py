@@ -24,7 +24,6 @@ TAIL = 80  # lines of a failed suite's log that are printed
 class Suite:
     name: str
     command: tuple[str, ...]
-    room: str = ""  # a Debian room that may turn out not to be installable
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,6 +36,7 @@ class Outcome:
 
 
 PYTHON = ".venv/bin/python"
+NEWEST = "sid"  # the Debian room that may turn out not to be installable
 BPY_VERSIONS = ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
 SUITES = {
     "test": (
@@ -45,15 +45,19 @@ SUITES = {
         Suite("native-asan", ("tools/native_tests.sh", "asan")),
         Suite("python", (PYTHON, "-m", "pytest", "tests/python")),
         Suite("data", (PYTHON, "-m", "pytest", "blender_tests/data")),
+        Suite("extension", ("tools/extension_tests.sh",)),
         Suite("window", ("tools/window_tests.sh",)),
     ),
     "matrix": (
         *(
-            Suite(f"data-{bpy}", ("tools/data_tests.sh", bpy))
-            for bpy in ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
+            Suite(f"data-{bpy}", ("tools/with_bpy.sh", bpy, "-m", "pytest", "blender_tests/data"))
+            for bpy in BPY_VERSIONS
         ),
-        Suite("window-trixie", ("tools/window_tests.sh", "--room", "trixie")),
-        Suite("window-sid", ("tools/window_tests.sh", "--room", "sid"), room="sid"),
+        *(
+            Suite(f"extension-{blender}", ("tools/extension_tests.sh", blender))
+            for blender in (*BPY_VERSIONS, "trixie", NEWEST)
+        ),
+        *(Suite(f"window-{room}", ("tools/window_tests.sh", "--room", room)) for room in ("trixie", NEWEST)),
     ),
 }
 
@@ -77,12 +81,12 @@ def call(command: tuple[str, ...], log: IO[str]) -> int:
 
 
 def run(suite: Suite) -> Outcome:
-    print(f"{suite.name:16} ", end="", flush=True)
+    print(f"{suite.name:17} ", end="", flush=True)
     start = time.monotonic()
     log_path = LOGS / f"{suite.name}.log"
     with log_path.open("w") as log:
-        if suite.room and call(("tools/room.sh", suite.room), log) != 0:
-            print(f"left out: the {suite.room} room cannot be made here, see {log_path.relative_to(PROJECT)}")
+        if NEWEST in suite.command and call(("tools/room.sh", NEWEST), log) != 0:
+            print(f"left out: the {NEWEST} room cannot be made here, see {log_path.relative_to(PROJECT)}")
             return Outcome(suite, 0, 0, time.monotonic() - start, left_out=True)
         code = call(suite.command, log)
     text = log_path.read_text(errors="replace")
@@ -101,10 +105,10 @@ def run(suite: Suite) -> Outcome:
 def main() -> int:
     LOGS.mkdir(parents=True, exist_ok=True)
     outcomes = [run(suite) for suite in SUITES[sys.argv[1]]]
-    print(f"\n{'suite':16} {'passed':>6} {'failed':>6} {'seconds':>8}")
+    print(f"\n{'suite':17} {'passed':>6} {'failed':>6} {'seconds':>8}")
     for o in outcomes:
         what = f"{'left out':>13}" if o.left_out else f"{o.passed:6} {o.failed:6}"
-        print(f"{o.suite.name:16} {what} {o.seconds:8.0f}")
+        print(f"{o.suite.name:17} {what} {o.seconds:8.0f}")
     failed = sum(outcome.failed for outcome in outcomes)
     print(f"\n{sum(outcome.passed for outcome in outcomes)} passed, {failed} failed", flush=True)
     return 1 if failed else 0

@@ -1,22 +1,23 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs the data tests on one version of the bpy wheel: in this machine's Python, or in the Debian room that has the
-# Python which that wheel needs.
-# usage: tools/data_tests.sh BPY_VERSION
+# Runs a Python command in an environment with one version of the bpy wheel, the module and pytest: on this machine,
+# or in the Debian room that has the Python which that wheel needs.
+# usage: tools/with_bpy.sh BPY_VERSION ARGUMENTS_OF_PYTHON...
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=tools/packages.sh
 source tools/packages.sh
 version=$1
+shift
 case $version in
     4.2.* | 4.5.* | 5.0.*) python=3.11 room=bookworm ;;
     *) python=3.13 room=trixie ;;
 esac
 if [[ ! $(/usr/bin/python3 --version) == "Python $python".* ]]; then
-    exec tools/room.sh $room tools/data_tests.sh "$version"
+    exec tools/room.sh $room tools/with_bpy.sh "$version" "$@"
 fi
 tools/apt.sh "${build_packages[@]}" "${bpy_packages[@]}"
 venv=build/bpy/$version
 tools/venv.sh "$venv" "bpy-$version.txt" test.txt
 tools/module.sh "$venv"
-"$venv/bin/python" -m pytest blender_tests/data
+"$venv/bin/python" "$@"
