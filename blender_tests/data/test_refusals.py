@@ -68,6 +68,12 @@ def test_a_scale_of_zero():
     assert "scale" in refusal(obj)
 
 
+def test_a_transform_that_is_not_made_of_numbers():
+    obj = bar()
+    obj.location.x = float("nan")
+    assert "Clear" in refusal(obj)
+
+
 def test_another_type_of_object():
     curve = bpy.data.objects.new("Line", bpy.data.curves.new("Line", "CURVE"))
     bpy.context.scene.collection.objects.link(curve)

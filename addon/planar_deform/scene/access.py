@@ -77,6 +77,8 @@ class SceneCutout:
         self._mesh_uid, self._count = mesh.session_uid, len(mesh.vertices)
         self._linear = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
         self._origin = np.array(obj.matrix_world.translation, dtype=np.float64)
+        if not (np.isfinite(self._linear).all() and np.isfinite(self._origin).all()):
+            raise Refusal(f"The transform of '{obj.name}' is not made of numbers: clear it with Object > Clear")
         stretches = np.linalg.svd(self._linear, compute_uv=False)
         if not stretches[-1] > 1e-6 * stretches[0]:
             raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")

@@ -68,9 +68,9 @@ class PlanarSettings(bpy.types.PropertyGroup):
     pin_weight: FloatProperty(
         name="Pin Weight",
         description="How strongly pins hold against the drawing's stiffness",
-        default=100.0,  # as the native Poser's own
+        default=1000.0,  # as the native Poser's own
         min=1e-2,
-        soft_max=1e4,
+        soft_max=1e5,
     )
     show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
     # Distortion after the last action; flipped is -1 when it has not been measured since the mesh changed.
