@@ -140,6 +140,19 @@ class Window:
     def tool(self) -> str:
         return bpy.context.workspace.tools.from_space_view3d_mode("OBJECT", create=False).idname
 
+    @property
+    def busy(self) -> list[str]:
+        """The modal operators that are running."""
+        return [operator.bl_idname for operator in self.window.modal_operators]
+
+    def colours(self, place: tuple[int, int], radius: int = 12) -> list[tuple[int, int, int]]:
+        """The pixels on the screen in a square about a place."""
+        x, y = place[0] - radius, self.window.height - 1 - place[1] - radius
+        crop = f"{2 * radius + 1}x{2 * radius + 1}+{x}+{y}"
+        command = ["import", "-window", "root", "-crop", crop, "-depth", "8", "rgb:-"]
+        raw = subprocess.run(command, check=True, capture_output=True).stdout
+        return [(raw[i], raw[i + 1], raw[i + 2]) for i in range(0, len(raw), 3)]
+
     def picture(self, name: str) -> Path:
         """Everything on the screen, as a PNG."""
         PICTURES.mkdir(parents=True, exist_ok=True)
@@ -202,6 +215,7 @@ def main() -> None:
     preferences.view.show_splash = False
     preferences.view.smooth_view = 0
     preferences.use_preferences_save = False
+    preferences.system.viewport_aa = "OFF"  # most of a redraw's time without a graphics card
     results: list[bool] = []
     running = steps(path, Window(), results)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
 
@@ -66,16 +66,40 @@ class PLANAR_OT_click(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PLANAR_OT_refuse(bpy.types.Operator):
-    bl_idname = "planar.refuse"
-    bl_label = "Nothing to Do in the Pose Tool"
-    bl_description = "Say why a key of the Pose tool does nothing here"
+class PLANAR_OT_key(bpy.types.Operator):
+    """Stands between a key and the operator it is for: a key whose operator does not apply would go on to Blender's
+    own, which moves or deletes the whole object. This one always takes the key, and says why nothing happens."""
+
+    bl_idname = "planar.key"
+    bl_label = "Key of the Pose Tool"
+    bl_description = "Move, turn or remove the selected pins"
     bl_options = {"INTERNAL"}
 
+    action: EnumProperty(
+        name="Action",
+        items=(
+            ("MOVE", "Move", "Move the selected pins"),
+            ("TURN", "Turn", "Turn the selected pins"),
+            ("REMOVE", "Remove", "Remove the selected pins"),
+        ),
+        options={"SKIP_SAVE"},
+    )
+
     def invoke(self, context, _event):
-        reason = pose_refusal(context.object) or "No pins: Ctrl-click the mesh to add one"
-        self.report({"WARNING"}, reason)
-        return {"CANCELLED"}
+        obj = context.object
+        reason = pose_refusal(obj) if self.action != "REMOVE" or obj is None or obj.type != "MESH" else None
+        if reason is None and not obj.planar.pins:
+            reason = "No pins: Ctrl-click the mesh to add one"
+        if reason is not None:
+            self.report({"WARNING"}, reason)
+            return {"CANCELLED"}
+        if self.action == "MOVE":
+            bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True)
+        elif self.action == "TURN":
+            bpy.ops.planar.rotate_pins("INVOKE_DEFAULT", True)
+        elif bpy.ops.planar.remove_pins.poll():
+            bpy.ops.planar.remove_pins("EXEC_DEFAULT", True)
+        return {"FINISHED"}
 
 
 def _object_under(context: bpy.types.Context, origin: Vector, direction: Vector) -> bpy.types.Object | None:
@@ -91,4 +115,4 @@ def _object_under(context: bpy.types.Context, origin: Vector, direction: Vector)
     return None
 
 
-CLASSES = (PLANAR_OT_click, PLANAR_OT_refuse)
+CLASSES = (PLANAR_OT_click, PLANAR_OT_key)

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Moving and turning by keys: G, R, precise, axis locks, typed numbers, and the redo panel."""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from cutouts import active, moved, pin_data, place, ready, selected, shape
+from harness import Window
+
+LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
+
+
+def last() -> bpy.types.Operator:
+    return bpy.context.window_manager.operators[-1]
+
+
+def redo_with(window: Window, **values: object) -> None:
+    """What the redo panel does when a value in it is changed."""
+    for name, value in values.items():
+        setattr(last().properties, name, value)
+    with window.context():
+        bpy.ops.ed.undo_redo("EXEC_DEFAULT", True)  # True: as if it were not called from a script
+
+
+def test_g_moves_until_a_click_confirms(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.click(window.pixel(RIGHT))
+    before = shape()
+    yield from window.key("G")
+    assert window.busy == ["PLANAR_OT_drag_pins"]
+    yield from window.move(window.pixel((1.5, 0.0, 0.8)), steps=4)
+    assert moved(before, shape()) > 0.4
+    yield from window.press()
+    yield from window.release()
+    assert window.busy == []
+    assert np.allclose(place(1), (1.5, 0.0, 0.8), atol=0.06), place(1)
+    for key in ("RET", "NUMPAD_ENTER", "SPACE"):
+        yield from window.key("G")
+        yield from window.move(window.pixel((1.5, 0.0, 0.5)), steps=2)
+        yield from window.key(key)
+        assert window.busy == [], key
+    after = shape()
+    yield from window.key("G")
+    yield from window.key("RET")
+    assert np.array_equal(shape(), after), "confirmed without a movement"
+
+
+def test_typed_numbers(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.click(window.pixel(RIGHT))
+    yield from window.key("G")
+    yield from window.type("0.25")
+    yield from window.key("TAB")
+    yield from window.type("-0.5")
+    yield from window.key("RET")
+    assert tuple(last().properties.offset) == (0.25, -0.5)
+    assert np.allclose(place(1), (1.75, 0.0, -0.5), atol=0.05), place(1)
+    yield from window.undo()
+    yield from window.key("G")
+    yield from window.key("Z")
+    yield from window.type("0.5")
+    yield from window.key("RET")
+    assert tuple(last().properties.offset) == (0.0, 0.5)
+
+
+def test_an_axis_lock_keeps_the_other_axis(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.click(window.pixel(RIGHT))
+    yield from window.key("G")
+    yield from window.key("X")
+    yield from window.move(window.pixel((2.0, 0.0, 0.7)), steps=3)
+    yield from window.key("RET")
+    dx, dz = last().properties.offset
+    assert dz == 0.0
+    assert abs(dx - 0.5) < 0.03
+    yield from window.hover(window.pixel((2.0, 0.0, 0.0)))
+    yield from window.press()  # the same during a drag with the button down, and freed again
+    yield from window.move(window.pixel((2.2, 0.0, 0.6)), steps=3)
+    yield from window.key("Z")
+    yield from window.key("Z")
+    yield from window.key("Z")
+    yield from window.release()
+    dx, dz = last().properties.offset
+    assert dx == 0.0
+    assert abs(dz - 0.6) < 0.03
+
+
+def test_shift_is_precise_and_does_not_jump(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    yield from window.move(window.pixel((1.5, 0.0, 0.5)), steps=3)
+    before = shape()
+    yield from window.press("LEFT_SHIFT", shift=True)
+    assert np.array_equal(shape(), before), "pressing Shift moves nothing"
+    yield from window.move(window.pixel((1.5, 0.0, 1.5)), steps=3, shift=True)
+    precise = shape()
+    yield from window.release("LEFT_SHIFT")
+    assert np.array_equal(shape(), precise), "nor does releasing it"
+    yield from window.release()
+    dx, dz = last().properties.offset
+    assert abs(dz - 0.6) < 0.03, dz
+
+
+def test_r_turns_pins_about_their_centre(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.key("A")
+    yield from window.hover(window.pixel((2.5, 0.0, 0.0)))
+    yield from window.key("R")
+    for angle in np.radians(np.arange(0, 91, 6)):
+        yield from window.move(window.pixel((2.5 * np.cos(angle), 0.0, 2.5 * np.sin(angle))))
+    yield from window.key("RET")
+    assert abs(np.degrees(last().properties.angle) - 90.0) < 1.0
+    assert np.allclose(place(1), (0.0, 0.0, 1.5), atol=0.1), place(1)
+    assert np.allclose(place(0), (0.0, 0.0, -1.5), atol=0.1), place(0)
+    yield from window.key("R")
+    yield from window.type("90")
+    yield from window.key("RET")
+    assert np.allclose(place(1), (-1.5, 0.0, 0.0), atol=0.15), place(1)
+
+
+def test_a_patch_keeps_the_angle_it_was_turned_to(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT)
+    obj = active()
+    rows = [v.index for v in obj.data.vertices if v.co.x > 1.4 and abs(v.co.z) < 0.3]
+    obj.vertex_groups.new(name="Hand").add(rows, 1.0, "REPLACE")
+    bpy.ops.planar.add_pin_from_group(group="Hand", kind="PATCH")
+    yield from window.key("R")
+    yield from window.type("30")
+    yield from window.key("RET")
+    assert abs(np.degrees(active().planar.pins[1].angle) - 30.0) < 1e-3
+    yield from window.key("G")
+    yield from window.type("0.1")
+    yield from window.key("RET")
+    assert abs(np.degrees(active().planar.pins[1].angle) - 30.0) < 1e-3
+
+
+def test_the_redo_panel_repeats_and_changes_a_drag(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    before = shape()
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    yield from window.move(window.pixel((1.9, 0.0, 0.4)), steps=4)
+    yield from window.move(window.pixel((1.5, 0.0, 0.9)), steps=4)
+    yield from window.release()
+    after, pins, offset = shape(), pin_data(), tuple(last().properties.offset)
+    redo_with(window)
+    yield
+    assert np.array_equal(shape(), after), "unchanged it gives the same bits"
+    assert pin_data() == pins
+    redo_with(window, offset=(offset[0], offset[1] + 0.3))
+    yield
+    assert selected() == [1]
+    assert abs(place(1)[2] - (offset[1] + 0.3)) < 0.06, place(1)
+    redo_with(window, offset=offset)
+    yield
+    assert np.array_equal(shape(), after), "back at the old value it is the old shape"
+    yield from window.undo()
+    assert np.array_equal(shape(), before)
+
+
+def test_escape_after_typing_and_turning_restores_every_bit(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.key("A")
+    before, pins = shape(), pin_data()
+    yield from window.key("R")
+    yield from window.type("45")
+    assert moved(before, shape()) > 0.3
+    yield from window.key("ESC")
+    assert np.array_equal(shape(), before)
+    assert pin_data() == pins
+    yield from window.key("G")
+    yield from window.type("1")
+    yield from window.press("RIGHTMOUSE")
+    yield from window.release("RIGHTMOUSE")
+    assert np.array_equal(shape(), before)
+    assert pin_data() == pins
