@@ -34,7 +34,7 @@ extension: dist/.built ## dist/planar_deform-*.zip, to be installed in Blender
 EXTENSION_SOURCES := $(shell find addon native CMakeLists.txt pyproject.toml LICENSE tools/build_extension* \
     tools/requirements -not -name __pycache__ -not -name '*.pyc')
 dist/.built: $(EXTENSION_SOURCES)
-	@mkdir -p build && flock build/extension.lock tools/build_extension.sh
+	@tools/build_extension.sh
 	@touch $@
 
 docs: ## The pictures of the docs pages

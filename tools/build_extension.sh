@@ -4,39 +4,19 @@
 # for each Python that such a Blender has: 3.11 (4.2 to 5.0), 3.13 (5.1 and newer) and that of Debian's newest Blender.
 #
 # All are compiled on Debian 12, in this machine or in its room, since a wheel needs a C library as new as the one it
-# was made with. Of the other Pythons only the headers are taken, from the Debian rooms that have them.
+# was made with. Of the other Pythons only the headers are there.
 # usage: tools/build_extension.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=tools/packages.sh
 source tools/packages.sh
-headers=build/extension/headers
-venv=build/extension/venv
-here=$(. /etc/os-release && echo "$VERSION_CODENAME")
 
-in_debian() { # in_debian RELEASE COMMAND...
-    local release=$1
-    shift
-    if [[ $release == "$here" ]]; then "$@"; else tools/room.sh "$release" "$@"; fi
-}
-
-if [[ ${1:-} == --compile ]]; then
-    tools/apt.sh "${build_packages[@]}"
-    tools/venv.sh $venv common.txt package.txt
-    /usr/bin/python3 tools/python_headers.py $headers
-    exec $venv/bin/python tools/build_extension.py $headers
+if [[ $(. /etc/os-release && echo "$VERSION_CODENAME") != bookworm ]]; then
+    if tools/room.sh bookworm; then exec tools/room.sh bookworm "$0"; fi
+    echo "Without the bookworm room the wheels are for this release of Debian and for newer systems only." >&2
 fi
-
-rm -rf $headers
-mkdir -p $headers
-for release in trixie sid; do
-    if ! { in_debian $release tools/apt.sh python3-dev &&
-        in_debian $release /usr/bin/python3 tools/python_headers.py $headers; }; then
-        echo "The extension goes without a wheel for the Python of Debian $release, whose room cannot be had." >&2
-    fi
-done
-if [[ $here != bookworm ]] && ! tools/room.sh bookworm; then
-    echo "Without the bookworm room the wheels are made for this release of Debian and newer systems only." >&2
-    exec "$0" --compile
-fi
-in_debian bookworm "$0" --compile
+mkdir -p build/extension
+tools/apt.sh "${build_packages[@]}"
+tools/venv.sh build/extension/venv common.txt package.txt
+/usr/bin/python3 tools/python_headers.py build/extension/headers bookworm trixie sid
+build/extension/venv/bin/python tools/build_extension.py build/extension/headers
