@@ -27,13 +27,15 @@ NO_WHEELS = "wheels = []"
 # Of the BLAS libraries that may be installed side by side, the one that two threads can call at once
 # (Debian's serial build corrupts its buffers then); we switch its own threads off.
 BLAS = "/usr/lib/x86_64-linux-gnu/openblas-pthread"
+# The compiler's own libraries, whose functions carry versions.
+RUNTIME = ("libgfortran", "libgomp", "libquadmath")
 
 
-def run(*command: str | Path) -> None:
-    """Run a command of this environment; if it fails, show what it printed and stop."""
+def run(*command: str | Path) -> str:
+    """What a command prints, of this environment or the system; if it fails, show that and stop."""
     search = f"{Path(sys.executable).parent}:/usr/bin:/bin"
     result = subprocess.run(
-        [sys.executable, "-m", *command],
+        command,
         cwd=PROJECT,
         env={**os.environ, "PATH": search, "LD_LIBRARY_PATH": BLAS},
         text=True,
@@ -43,6 +45,7 @@ def run(*command: str | Path) -> None:
     )
     if result.returncode:
         sys.exit(f"{result.stdout}\n{' '.join(map(str, command))}: failed")
+    return result.stdout
 
 
 def only_wheel(folder: Path) -> Path:
@@ -61,6 +64,26 @@ def fingerprint(headers: Path) -> str:
     return digest.hexdigest()
 
 
+def seclude(wheel: Path) -> None:
+    """Give every function of the bundled numerical libraries a name of its own.
+
+    A Blender that is linked to another version of one of them (Debian's 5.2 is, to SuiteSparse 7) would put
+    its functions in the place of ours: the first of a name in the process is taken, from whatever file.
+    """
+    folder = wheel.parent / "unpacked"
+    run("wheel", "unpack", "--dest", folder, wheel)
+    (content,) = folder.iterdir()
+    bundled = [path for path in content.glob("*.libs/*") if not path.name.startswith(RUNTIME)]
+    table = run("nm", "--dynamic", "--defined-only", "--format=posix", *bundled)
+    names = {line.split()[0] for line in table.splitlines() if len(line.split()) > 1}
+    renaming = folder / "names"
+    renaming.write_text("".join(f"{name} planar_{name}\n" for name in sorted(names)))
+    for library in [*content.glob("*/_core.*.so"), *bundled]:
+        run("patchelf", "--rename-dynamic-symbols", renaming, library)
+    run("wheel", "pack", "--dest-dir", wheel.parent, content)
+    shutil.rmtree(folder)
+
+
 def build_wheel(tag: str, headers: Path) -> Path:
     """A wheel for CPython `tag`, from its headers alone, that brings the libraries it needs along."""
     raw, repaired = BUILD / tag / "raw", BUILD / tag / "repaired"
@@ -77,10 +100,13 @@ def build_wheel(tag: str, headers: Path) -> Path:
         "cmake.define.PYTHON_IS_DEBUG": "OFF",
     }
     options = [f"--config-settings={key}={value}" for key, value in settings.items()]
-    run("pip", "wheel", "--no-build-isolation", "--no-deps", *options, "--wheel-dir", raw, ".")
+    run(
+        "python", "-m", "pip", "wheel", "--no-build-isolation", "--no-deps", *options, "--wheel-dir", raw, "."
+    )
     # scikit-build-core names the wheel after the Python that runs it.
     run("wheel", "tags", "--remove", "--python-tag", tag, "--abi-tag", tag, only_wheel(raw))
     run("auditwheel", "repair", "--strip", "--wheel-dir", repaired, only_wheel(raw))
+    seclude(only_wheel(repaired))
     stamp.write_text(wanted)
     return only_wheel(repaired)
 

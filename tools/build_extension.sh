@@ -16,6 +16,8 @@ if [[ $(. /etc/os-release && echo "$VERSION_CODENAME") != bookworm ]]; then
     echo "Without the bookworm room the wheels are for this release of Debian and for newer systems only." >&2
 fi
 mkdir -p build/extension
+exec 8>build/extension/lock # one build at a time
+flock 8
 tools/apt.sh "${build_packages[@]}"
 tools/venv.sh build/extension/venv common.txt package.txt
 /usr/bin/python3 tools/python_headers.py build/extension/headers bookworm trixie sid

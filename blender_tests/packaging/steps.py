@@ -109,7 +109,7 @@ def drag():
         "libraries": [
             line.split()[-1]
             for line in Path("/proc/self/maps").read_text().splitlines()
-            if any(name in line for name in ("cholmod", "metis", "suitesparse"))
+            if "libcholmod" in line
         ],
     }
 

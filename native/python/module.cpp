@@ -206,8 +206,9 @@ rest. Raises ValueError.)");
 
 Poses a mesh by moving handles. The object keeps the posed shape from one move to the next.
 
-rest n x 2, triangles m x 3; method "akvf" is the paper's as-Killing-as-possible deformation (Solomon et al. 2011, (7), (8),
-(14)-(16)) in substeps in which no triangle inverts, at most 32 in a move; pin_weight is the lambda squared of (7), without unit (None: 1);
+rest n x 2, triangles m x 3; method "akvf" is the as-Killing-as-possible deformation of Solomon et al. 2011, (7), (8),
+(14)-(16), in substeps in which no triangle inverts, at most 32 in a move; it departs from the paper where patches turn and
+where triangles are squeezed (planar/poser.h says how). pin_weight is the lambda squared of (7), without unit (None: 1000);
 stiffness is a positive factor per triangle, m.
 
     poser = Poser(rest, triangles)
