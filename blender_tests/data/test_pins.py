@@ -93,6 +93,17 @@ def test_pins_from_selected_vertices():
         bpy.ops.planar.add_pins_from_selected()
 
 
+def test_as_many_pins_as_vertices_are_made_in_one_go():
+    obj = bar(nx=20, ny=12)
+    for vertex in obj.data.vertices:
+        vertex.select = True
+    assert bpy.ops.planar.add_pins_from_selected(kind="POINT") == {"FINISHED"}
+    assert len(obj.planar.pins) == len(obj.data.vertices) == 273
+    assert [pin.group_index for pin in obj.planar.pins] == list(range(273))
+    bpy.ops.planar.remove_pins()
+    assert len(obj.vertex_groups) == 0
+
+
 def test_pins_from_groups():
     obj = bar()
     for name in ("Hand", "Foot", "Head"):

@@ -286,3 +286,36 @@ def test_a_drawing_stood_up_since_is_posed_in_its_new_plane():
     assert scene.frame.letters == ("X", "Z")
     assert obj.planar.flipped == 0
     assert obj.planar.area_distortion < 2.2
+
+
+def test_a_rest_is_stored_by_the_first_action_where_shape_keys_that_held_it_are_gone():
+    obj = bar()
+    obj.shape_key_add(name="Basis")
+    add_end_pins(obj)
+    assert "planar_rest" not in obj.data.attributes
+    obj.shape_key_clear()
+    before = coordinates(obj.data.vertices)
+    from planar_deform.scene.access import begin
+
+    scene = begin(bpy.context)
+    scene.write(scene.positions + 0.5)
+    assert np.array_equal(stored_rest(obj), before)
+    scene.restore()
+    assert "planar_rest" not in obj.data.attributes
+    pose(obj, offset=(-0.6, 0.9))
+    assert np.array_equal(stored_rest(obj), before)
+    assert obj.planar.area_distortion > 2.001
+    bpy.ops.planar.reset_to_rest()
+    assert np.array_equal(coordinates(obj.data.vertices), before)
+
+
+def test_parts_added_to_a_drawing_that_was_turned_over_and_lifted_keep_their_depth():
+    obj = posed_bar()
+    obj.data.transform(Matrix.Translation((0, 0, 2)) @ Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0)))
+    edit(
+        obj,
+        lambda: bpy.ops.mesh.primitive_plane_add(size=1, location=(5, 0, 3)),
+        lambda vertex: False,
+    )
+    pose(obj, offset=(0.0, 0.1))
+    assert stored_rest(obj)[65:, 2] == pytest.approx(np.full(4, 3.0))

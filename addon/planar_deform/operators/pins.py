@@ -29,7 +29,9 @@ class PinOperator:
 
     def execute(self, context):
         try:
-            self.apply(context)
+            scene = begin(context)
+            pins.sync(context.object)
+            self.apply(context.object, scene)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
@@ -48,9 +50,7 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
         name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
     )
 
-    def apply(self, context):
-        obj = context.object
-        scene = begin(context)
+    def apply(self, obj, scene):
         point = scene.nearest(np.array(self.location, dtype=np.float64), ON_MESH * scene.cutout.diagonal)
         if point is None:
             raise Refusal("No mesh there: add the pin at a point of the drawing")
@@ -69,9 +69,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def apply(self, context):
-        obj = context.object
-        scene = begin(context)
+    def apply(self, obj, scene):
         selected = np.empty(len(obj.data.vertices), bool)
         obj.data.vertices.foreach_get("select", selected)
         on_faces = scene.vertex_indices[selected[scene.vertex_indices]].tolist()
@@ -92,9 +90,7 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
     group: StringProperty(name="Vertex Group", description="Group to pin; empty for the active one")
     kind: EnumProperty(name="Kind", description="Kind of the new pin", items=KINDS)
 
-    def apply(self, context):
-        obj = context.object
-        begin(context)
+    def apply(self, obj, scene):
         group = obj.vertex_groups.get(self.group) if self.group else obj.vertex_groups.active
         if group is None:
             wanted = f"No vertex group '{self.group}'" if self.group else "No active vertex group"
@@ -112,10 +108,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def apply(self, context):
-        obj = context.object
-        begin(context)
-        pins.sync(obj)
+    def apply(self, obj, scene):
         taken = {pin.group for pin in obj.planar.pins}
         new = [group for group in obj.vertex_groups if group.name not in taken]
         if not new:
@@ -133,29 +126,26 @@ class PinListOperator:
 
     @classmethod
     def poll(cls, context):
-        obj = context.object
-        reason = None
-        if obj is None or obj.type != "MESH" or not obj.planar.pins:
-            reason = "No pins: add some first"
-        elif (
-            obj.library is not None
-            or obj.data.library is not None
-            or obj.override_library is not None
-            or obj.mode != "OBJECT"
-        ):
-            reason = pose_refusal(obj)
+        reason = _list_refusal(context.object)
         if reason is not None:
             cls.poll_message_set(reason)
         return reason is None
 
 
-class PLANAR_OT_remove_pins(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_remove_pins(bpy.types.Operator):
+    """Has no poll: in the Pose tool, X must never go on to Blender's own, which deletes the object."""
+
     bl_idname = "planar.remove_pins"
     bl_label = "Remove Pins"
     bl_description = "Remove the selected pins; the drawing stays as it is"
+    bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
         obj = context.object
+        reason = _list_refusal(obj)
+        if reason is not None:
+            self.report({"WARNING"}, reason)
+            return {"CANCELLED"}
         selected = [index for index, pin in enumerate(obj.planar.pins) if pin.select]
         if not selected:
             self.report({"WARNING"}, "No pins are selected: click one first")
@@ -222,6 +212,14 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
             pin.has_target = False
             pin.angle = 0.0
         return {"FINISHED"}
+
+
+def _list_refusal(obj):
+    """Why the pin list of an object cannot be changed, and what to do; None if it can."""
+    if obj is None or obj.type != "MESH" or not obj.planar.pins:
+        return "No pins: add some first"
+    local = obj.library is None and obj.data.library is None and obj.override_library is None
+    return None if local and obj.mode == "OBJECT" else pose_refusal(obj)
 
 
 def _select(obj, wanted):

@@ -78,14 +78,17 @@ class SceneCutout:
         self._linear = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
         self._origin = np.array(obj.matrix_world.translation, dtype=np.float64)
         if not (np.isfinite(self._linear).all() and np.isfinite(self._origin).all()):
-            raise Refusal(f"The transform of '{obj.name}' is not made of numbers: clear it with Object > Clear")
+            raise Refusal(
+                f"The transform of '{obj.name}' is not made of numbers: clear it with Object > Clear"
+            )
         stretches = np.linalg.svd(self._linear, compute_uv=False)
         if not stretches[-1] > 1e-6 * stretches[0]:
             raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
         self._inverse = np.linalg.inv(self._linear)
 
+        self._has_keys = mesh.shape_keys is not None
         self._begin_key = None
-        if mesh.shape_keys is None:
+        if not self._has_keys:
             self._begin = shape_keys.read_points(mesh.vertices, self._count)
             shown = self._begin.astype(np.float64)
             share = np.ones((self._count, 1))
@@ -96,10 +99,13 @@ class SceneCutout:
             self._begin = shape_keys.read_points(target.data, self._count)
             shown = shape_keys.shown_points(obj)
             share = shape_keys.share_of_posed_key(obj)
-        self._has_keys = mesh.shape_keys is not None
         self._added_key: str | None = None
 
-        stored, owners = rest_store.read(obj)
+        stored = rest_store.basis_or_stored(obj)
+        owners = None if self._has_keys or stored is None else rest_store.owners_of(mesh)
+        self._rest_before, self._rest_after, self._rest_written = (stored, owners), None, False
+        if stored is None:  # no pin yet, or the shape keys that held it are gone
+            stored = self._rest_after = self._begin
         faces = triangulation.faces_of(mesh, stored)
         triangles, parts, used = faces.triangles, faces.parts, faces.vertices
         self.vertex_indices = used
@@ -113,7 +119,6 @@ class SceneCutout:
         self.frame = _flat_frame(shown, world, triangles, parts, self._linear, "Its faces do")
         self.positions = self.frame.flatten(world)
         self._depths = _part_means(self.frame.depth(world), parts)
-        self._rest_before, self._rest_after = (stored, owners), None
         rest = self._rest_positions(stored, owners, shown, triangles, parts)
         self.cutout = make_cutout(rest, triangles, parts)
 
@@ -193,7 +198,7 @@ class SceneCutout:
         obj = self.resolve()
         coordinates = self._begin.copy()
         if not self._has_keys:
-            rest = rest_store.read(obj)[0] if self._rest_after is None else self._rest_after
+            rest = self._rest_before[0] if self._rest_after is None else self._rest_after
             coordinates[self.vertex_indices] = rest[self.vertex_indices]
         elif self._begin_key is not None:
             under = shape_keys.read_points(shape_keys.under_posed_key(obj).data, self._count)
@@ -214,15 +219,17 @@ class SceneCutout:
         else:
             self._points(obj).foreach_set("co", self._begin.ravel())
             obj.data.update()
-        if self._rest_after is not None:
-            rest_store.write(obj.data, *self._rest_before)
+        if self._rest_written:
+            rest_store.put_back(obj.data, *self._rest_before)
+            self._rest_written = False
 
     def _store(self, coordinates: np.ndarray) -> None:
         obj = self.resolve()
         if self._has_keys and self._begin_key is None and self._added_key is None:
             self._added_key = shape_keys.add_pose_key(obj).name
-        if self._rest_after is not None:
+        if self._rest_after is not None and not self._rest_written:
             rest_store.write(obj.data, self._rest_after)
+            self._rest_written = True
         self._points(obj).foreach_set("co", coordinates.ravel())
         obj.data.update()
 
@@ -276,7 +283,8 @@ class SceneCutout:
             flat = completed(np.where(known[:, None], flat, 0.0), self.positions, triangles, known)
             counts = np.bincount(parts, weights=known)
             sums = np.bincount(parts[known], weights=depths[known], minlength=len(counts))
-            depth = np.where(counts > 0, sums / np.maximum(counts, 1), self._depths)[parts]
+            own = _part_means(frame.depth(mapped(shown, self._linear)), parts)
+            depth = np.where(counts > 0, sums / np.maximum(counts, 1), own)[parts]
             placed = mapped(frame.lift(flat) + np.outer(depth, frame.n), self._inverse)
             rest[~known] = placed[~known]
         if changed and not self._has_keys:

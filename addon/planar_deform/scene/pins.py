@@ -172,7 +172,7 @@ def _append(
     settings = obj.planar
     pin = settings.pins.add()
     pin.name = pin.group = group.name
-    pin.kind, pin.owns_group = kind, owns_group
+    pin.kind, pin.owns_group, pin.group_index = kind, owns_group, group.index
     settings.active_pin = len(settings.pins) - 1
-    sync(obj)
+    settings.group_count = len(obj.vertex_groups)
     return pin

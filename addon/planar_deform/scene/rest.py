@@ -16,48 +16,54 @@ REST = "planar_rest"
 OWNER = "planar_rest_owner"
 
 
-def has_rest(obj: bpy.types.Object) -> bool:
-    """Whether a rest shape is stored."""
-    return obj.data.shape_keys is not None or _attribute(obj.data, REST, "FLOAT_VECTOR") is not None
-
-
-def read(obj: bpy.types.Object) -> tuple[np.ndarray, np.ndarray | None]:
-    """Rest positions count x 3 (float32, object-local) and the owner of each, None when that is not recorded.
-
-    The current positions where no rest shape is stored.
-    """
+def basis_or_stored(obj: bpy.types.Object) -> np.ndarray | None:
+    """Rest positions count x 3 (float32, object-local) as they are stored; None when they are not."""
     mesh = obj.data
-    count = len(mesh.vertices)
     if mesh.shape_keys is not None:
-        return shape_keys.read_points(mesh.shape_keys.reference_key.data, count), None
+        return shape_keys.read_points(mesh.shape_keys.reference_key.data, len(mesh.vertices))
     stored = _attribute(mesh, REST, "FLOAT_VECTOR")
     if stored is None:
-        return shape_keys.read_points(mesh.vertices, count), None
-    rest = np.empty(count * 3, np.float32)
+        return None
+    rest = np.empty(len(mesh.vertices) * 3, np.float32)
     stored.data.foreach_get("vector", rest)
+    return rest.reshape(-1, 3)
+
+
+def owners_of(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """The owner of each vertex's stored rest (count,); None when that is not recorded."""
     owner = _attribute(mesh, OWNER, "INT")
-    owners = None
-    if owner is not None:
-        owners = np.empty(count, np.int32)
-        owner.data.foreach_get("value", owners)
-    return rest.reshape(-1, 3), owners
+    if owner is None:
+        return None
+    owners = np.empty(len(mesh.vertices), np.int32)
+    owner.data.foreach_get("value", owners)
+    return owners
 
 
-def write(mesh: bpy.types.Mesh, rest: np.ndarray, owners: np.ndarray | None = None) -> None:
-    """Store rest positions, count x 3, on a mesh without shape keys; all owned by this mesh unless told."""
-    stored = _attribute(mesh, REST, "FLOAT_VECTOR") or _new_attribute(mesh, REST, "FLOAT_VECTOR")
-    stored.data.foreach_set("vector", np.ascontiguousarray(rest, np.float32).ravel())
-    if owners is None:
-        # Below 2^24, so that Blender's interpolation in float keeps it.
-        owners = np.full(len(mesh.vertices), random.randrange(1, 1 << 24), np.int32)
-    owner = _attribute(mesh, OWNER, "INT") or _new_attribute(mesh, OWNER, "INT")
-    owner.data.foreach_set("value", owners)
+def write(mesh: bpy.types.Mesh, rest: np.ndarray) -> None:
+    """Store rest positions, count x 3, on a mesh without shape keys, all owned by this mesh."""
+    # Below 2^24, so that Blender's interpolation in float keeps it.
+    owners = np.full(len(mesh.vertices), random.randrange(1, 1 << 24), np.int32)
+    put_back(mesh, rest, owners)
+
+
+def put_back(mesh: bpy.types.Mesh, rest: np.ndarray | None, owners: np.ndarray | None) -> None:
+    """Store rest and owners as they were read, and nothing where there was nothing."""
+    for name, kind, field, values in (
+        (REST, "FLOAT_VECTOR", "vector", rest),
+        (OWNER, "INT", "value", owners),
+    ):
+        found = _attribute(mesh, name, kind)
+        if values is not None:
+            found = found or _new_attribute(mesh, name, kind)
+            found.data.foreach_set(field, np.ascontiguousarray(values).ravel())
+        elif found is not None:
+            mesh.attributes.remove(found)
 
 
 def ensure(obj: bpy.types.Object) -> None:
     """Store the current shape as rest shape if none is stored."""
-    if not has_rest(obj):
-        mesh = obj.data
+    mesh = obj.data
+    if basis_or_stored(obj) is None:
         write(mesh, shape_keys.read_points(mesh.vertices, len(mesh.vertices)))
 
 
