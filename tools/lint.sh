@@ -33,6 +33,7 @@ check clang-tidy tidy "${library[@]}"
 check ruff "$ruff" check --no-cache .
 check ruff-format "$ruff" format --no-cache --check .
 check mypy .venv/bin/mypy addon/planar_deform/model tools
+check stubs .venv/bin/python -m mypy.stubtest planar_native --allowlist native/python/stubtest-allowlist.txt
 check shellcheck shellcheck --external-sources "${shell[@]}"
 check registration .venv/bin/python -m pytest blender_tests/data/test_registration.py
 

@@ -124,7 +124,7 @@ def check_drag(blender: Blender) -> None:
     own = str(blender.home)
     check(result["module"].startswith(own), f"the module is not the extension's: {result['module']}")
     check("CHOLMOD" in result["backend"], f"built with {result['backend']}")
-    # A Blender may have libraries of the same names itself (Debian's 5.2 does); ours must be there all the same.
+    # A Blender may have libraries of the same names itself (Debian's 5.2 does); ours must be there too.
     check(any(path.startswith(own) for path in result["libraries"]), "CHOLMOD is not the extension's")
     stray = [
         path for path in blender.files() - before if not is_ours(path) and "__pycache__" not in path.parts
