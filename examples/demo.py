@@ -62,12 +62,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--pictures", type=Path, help="also write the docs' pictures into this folder")
     arguments = parser.parse_args()
-    start = time.perf_counter()
-    out = ROOT / "out"
-    out.mkdir(exist_ok=True)
-
     bpy.ops.wm.read_factory_settings(use_empty=True)
     planar_deform.register()
+    try:
+        run(arguments.pictures)
+    finally:
+        planar_deform.unregister()  # the bpy module crashes at exit with classes still registered
+
+
+def run(pictures: Path | None) -> None:
+    """Everything between registering and unregistering the add-on."""
+    start = time.perf_counter()
     info = planar_native.build_info()
     print(f"Blender {bpy.app.version_string}, planar_native {info['version']} with {info['backend']}")
     contact_sheet.prepare_scene(bpy.context.scene)
@@ -77,13 +82,15 @@ def main() -> None:
         cells = perform(character)
         rows += [cells[i : i + character.columns] for i in range(0, len(cells), character.columns)]
     sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins (AKVF)", rows)
+
+    out = ROOT / "out"
+    out.mkdir(exist_ok=True)
     sheet.save(out / "contact_sheet.png", optimize=True)
     show_front_view()
     with contact_sheet.silenced_blender():
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
-    if arguments.pictures:
-        save_pictures(arguments.pictures, sheet, rows)
-    planar_deform.unregister()
+    if pictures:
+        save_pictures(pictures, sheet, rows)
     print(f"Wrote out/demo.blend and out/contact_sheet.png; {time.perf_counter() - start:.1f} s in all")
 
 
@@ -110,7 +117,7 @@ def perform(character: Character) -> list[tuple[str, str, Image.Image]]:
         quality = f"area {measure.area:.3f} angle {measure.angle:.3f}"
         print(
             f"  {pose.name}: {effort.drags} drags in {effort.seconds:.1f} s, "
-            f"{1000 * effort.seconds / effort.samples:.1f} ms per mouse position; "
+            f"{1000 * effort.seconds / effort.samples:.1f} ms per mouse position (settling at release included); "
             f"distortion {quality} (2 is none), {measure.flipped} flipped"
         )
         note = f"{effort.drags} drags, distortion {measure.area:.3f} / {measure.angle:.3f}"
