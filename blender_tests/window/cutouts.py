@@ -9,7 +9,12 @@ from harness import Window
 
 
 def sheet(
-    name: str = "Sheet", *, columns: int = 16, rows: int = 8, cell: float = 0.25, at: Sequence[float] = (0, 0, 0)
+    name: str = "Sheet",
+    *,
+    columns: int = 16,
+    rows: int = 8,
+    cell: float = 0.25,
+    at: Sequence[float] = (0, 0, 0),
 ) -> bpy.types.Object:
     """A rectangle of quads in the XZ plane, centred on `at`, made active."""
     x = (np.arange(columns + 1) - columns / 2) * cell

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs one file of window tests inside Blender: `blender --enable-event-simulate --python harness.py -- test_x.py`.
+"""Runs a file of window tests in Blender: `blender --enable-event-simulate --python harness.py -- test_x.py`.
 
-A test is a generator function `test_...(window)`: it simulates events, and each `yield` lets Blender handle them and
-redraw. Every test starts from the factory scene without its objects, with the add-on enabled.
+A test is a generator function `test_...(window)`: it simulates events, and each `yield` lets Blender handle them
+and redraw. Every test starts from the factory scene without its objects, with the add-on enabled.
 """
 
 import ctypes
@@ -40,7 +40,9 @@ class Window:
 
     @property
     def area(self) -> bpy.types.Area:
-        return max((a for a in self.window.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.width * a.height)
+        return max(
+            (a for a in self.window.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.width * a.height
+        )
 
     def region(self, kind: str = "WINDOW") -> bpy.types.Region:
         return next(region for region in self.area.regions if region.type == kind)
@@ -76,11 +78,13 @@ class Window:
         start = self.mouse
         for step in range(1, steps + 1):
             self.mouse = tuple(round(a + (b - a) * step / steps) for a, b in zip(start, place, strict=True))
-            self.window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=self.mouse[0], y=self.mouse[1], **modifiers)
+            self.window.event_simulate(
+                type="MOUSEMOVE", value="NOTHING", x=self.mouse[0], y=self.mouse[1], **modifiers
+            )
             yield
 
     def hover(self, place: tuple[int, int]) -> Iterator[None]:
-        """Arrive there as a hand does: the gizmo under the mouse is highlighted by a move, and drawn after it."""
+        """Arrive there as a hand does: a gizmo lights up under a mouse that moves, and is drawn after that."""
         yield from self.move((place[0] + 2, place[1] + 1))
         yield from self.move(place)
         yield
@@ -109,7 +113,9 @@ class Window:
         yield from self.release(kind, **modifiers)
 
     def type(self, text: str) -> Iterator[None]:
-        names = dict(zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NINE".split(), strict=True))
+        names = dict(
+            zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NINE".split(), strict=True)
+        )
         for character in text:
             yield from self.key({**names, ".": "PERIOD", "-": "MINUS"}[character])
 
@@ -123,7 +129,7 @@ class Window:
 
     # ---- the view and the tool
     def look(self, direction: str = "FRONT", distance: float = 8.0) -> Iterator[None]:
-        """An orthographic look at the origin: FRONT sees the XZ plane, TOP the XY plane, RIGHT the YZ plane."""
+        """An orthographic look at the origin: FRONT sees the XZ plane, TOP the XY, RIGHT the YZ plane."""
         turns = {"TOP": (1, 0, 0, 0), "FRONT": (0.7071068, 0.7071068, 0, 0), "RIGHT": (0.5, 0.5, 0.5, 0.5)}
         self.view.view_perspective = "ORTHO"
         self.view.view_rotation = Quaternion(turns[direction])
@@ -161,13 +167,6 @@ class Window:
         return path
 
 
-def add_on() -> str:
-    """The module name of the installed extension."""
-    names = [name for name in bpy.context.preferences.addons.keys() if name.endswith(".planar_deform")]
-    assert names, "the extension is not enabled: run this file through run.py"
-    return names[0]
-
-
 def fresh_file() -> None:
     bpy.ops.wm.read_homefile(app_template="")
     for thing in list(bpy.data.objects):
@@ -176,10 +175,15 @@ def fresh_file() -> None:
 
 def load(path: Path) -> list[Test]:
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return [thing for name, thing in vars(module).items() if name.startswith("test_") and inspect.isfunction(thing)]
+    return [
+        thing
+        for name, thing in vars(module).items()
+        if name.startswith("test_") and inspect.isfunction(thing)
+    ]
 
 
 def steps(path: Path, window: Window, results: list[bool]) -> Iterator[None]:

@@ -5,9 +5,9 @@
     python3 blender_tests/window/run.py --blender /usr/bin/blender [file ...]
     tools/room.sh trixie python3 blender_tests/window/run.py --blender /usr/bin/blender [file ...]
 
-The built extension is installed as a user would install it, into a throw-away set of user folders; then every test
-file runs in a Blender process of its own. A failed test, a Python error that Blender printed, a crash, a time-out and
-a file in which no test ran are all failures. Exit code 0 only if nothing failed.
+The built extension is installed as a user would install it, into a throw-away set of user folders; then every
+test file runs in a Blender process of its own. A failed test, a Python error that Blender printed, a crash, a
+time-out and a file in which no test ran are all failures. Exit code 0 only if nothing failed.
 """
 
 import argparse
@@ -33,7 +33,7 @@ def environment(work: Path) -> dict[str, str]:
 
 
 def run(work: Path, arguments: list[str], timeout: int) -> tuple[int, str]:
-    """The exit code and everything printed; a process that hangs is killed with its children (exit code -9)."""
+    """The exit code and everything printed; a process that hangs is killed with its children (code -9)."""
     process = subprocess.Popen(
         arguments,
         env=environment(work),

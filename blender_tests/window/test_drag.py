@@ -11,8 +11,6 @@ from harness import Window
 LEFT, RIGHT, MIDDLE = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0), (0.1, 0.0, 0.05)
 
 
-
-
 def test_a_drag_moves_the_pin_and_the_drawing_follows(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     before = shape()

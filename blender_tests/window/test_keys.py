@@ -99,7 +99,7 @@ def test_shift_is_precise_and_does_not_jump(window: Window) -> Iterator[None]:
     yield from window.release("LEFT_SHIFT")
     assert np.array_equal(shape(), precise), "nor does releasing it"
     yield from window.release()
-    dx, dz = last().properties.offset
+    _dx, dz = last().properties.offset
     assert abs(dz - 0.6) < 0.03, dz
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins under the mouse: hover, selecting, adding, deleting, and what the keys do when there is nothing to act on."""
+"""Pins under the mouse: hover, selecting, adding, deleting, and keys when there is nothing to act on."""
 
 from collections.abc import Iterator
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clicks of the Pose tool that hit no pin, and its keys when there is nothing they could act on."""
+"""Clicks of the Pose tool that hit no pin."""
 
 from __future__ import annotations
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import BoolProperty
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
 
-from ..scene.access import Refusal, begin, pose_refusal
+from ..scene.access import Refusal, begin
 
 
 class PLANAR_OT_click(bpy.types.Operator):
@@ -66,42 +66,6 @@ class PLANAR_OT_click(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PLANAR_OT_key(bpy.types.Operator):
-    """Stands between a key and the operator it is for: a key whose operator does not apply would go on to Blender's
-    own, which moves or deletes the whole object. This one always takes the key, and says why nothing happens."""
-
-    bl_idname = "planar.key"
-    bl_label = "Key of the Pose Tool"
-    bl_description = "Move, turn or remove the selected pins"
-    bl_options = {"INTERNAL"}
-
-    action: EnumProperty(
-        name="Action",
-        items=(
-            ("MOVE", "Move", "Move the selected pins"),
-            ("TURN", "Turn", "Turn the selected pins"),
-            ("REMOVE", "Remove", "Remove the selected pins"),
-        ),
-        options={"SKIP_SAVE"},
-    )
-
-    def invoke(self, context, _event):
-        obj = context.object
-        reason = pose_refusal(obj) if self.action != "REMOVE" or obj is None or obj.type != "MESH" else None
-        if reason is None and not obj.planar.pins:
-            reason = "No pins: Ctrl-click the mesh to add one"
-        if reason is not None:
-            self.report({"WARNING"}, reason)
-            return {"CANCELLED"}
-        if self.action == "MOVE":
-            bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True)
-        elif self.action == "TURN":
-            bpy.ops.planar.rotate_pins("INVOKE_DEFAULT", True)
-        elif bpy.ops.planar.remove_pins.poll():
-            bpy.ops.planar.remove_pins("EXEC_DEFAULT", True)
-        return {"FINISHED"}
-
-
 def _object_under(context: bpy.types.Context, origin: Vector, direction: Vector) -> bpy.types.Object | None:
     """The first selectable object that a ray meets."""
     depsgraph = context.evaluated_depsgraph_get()
@@ -115,4 +79,4 @@ def _object_under(context: bpy.types.Context, origin: Vector, direction: Vector)
     return None
 
 
-CLASSES = (PLANAR_OT_click, PLANAR_OT_key)
+CLASSES = (PLANAR_OT_click,)

@@ -16,7 +16,7 @@ from .. import native
 from ..model.drag import Drag, Mode, Point
 from ..model.posing import Sample, carried_path
 from ..scene import snapshot
-from ..scene.access import ObjectGone, Refusal, pose_refusal
+from ..scene.access import ObjectGone, Refusal
 from .action import SceneAction
 
 EDGE_ON = "The drawing is seen edge-on here: turn the view first"
@@ -43,7 +43,10 @@ def unpack_path(text: str) -> list[Sample]:
 
 
 class PinTransform:
-    """What moving and turning share. A subclass names its mode and keeps its result in properties."""
+    """What moving and turning share. A subclass names its mode and keeps its result in properties.
+
+    There is no poll, as the Pose tool's keys must not go on to Blender's own operators: refusals are reports.
+    """
 
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR"}
     mode: Mode
@@ -60,13 +63,6 @@ class PinTransform:
     )
     path: StringProperty(name="Path", description="Way the mouse took, as recorded by a drag", options=HIDDEN)
     letters: StringProperty(default="XY", options=HIDDEN)  # names of the plane's axes, for the redo panel
-
-    @classmethod
-    def poll(cls, context):
-        reason = pose_refusal(context.object)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
 
     def execute(self, context):
         try:
@@ -93,24 +89,13 @@ class PinTransform:
         self.extend = pressed and event.shift
         try:
             self._action = SceneAction(context, self.pin, self.extend)
+            self._view = _view_of(context)
+            self._press = (event.mouse_x, event.mouse_y) if pressed else None
+            self._from = self._point(context, event)
+            self._drag = None if pressed else self._begun()
         except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+            self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
-        self._view = _view_of(context)
-        self._press = (event.mouse_x, event.mouse_y) if pressed else None
-        self._drag = None
-        point = self._point(context, event)
-        try:
-            if point is None:
-                raise Refusal(EDGE_ON)
-            if not pressed:
-                self._begin(point)
-        except Refusal as refusal:
-            if not pressed:
-                self.report({"WARNING"}, str(refusal))
-                self._action.cancel()
-                return {"CANCELLED"}
-        self._from = point
         context.window.cursor_modal_set("SCROLL_XY")
         locks = (
             f"   {' or '.join(self._action.scene.frame.letters)}: Lock Axis" if self.mode == "MOVE" else ""
@@ -129,7 +114,10 @@ class PinTransform:
         except ObjectGone:
             self._leave(context)
             return {"CANCELLED"}
-        except (Refusal, native.SolveError) as error:
+        except Refusal as refusal:
+            self.report({"WARNING"}, str(refusal))
+            return self._cancel(context)
+        except native.SolveError as error:
             self.report({"ERROR"}, str(error))
             return self._cancel(context)
 
@@ -167,14 +155,14 @@ class PinTransform:
         x, y = self._press
         if event.type != "MOUSEMOVE" or max(abs(event.mouse_x - x), abs(event.mouse_y - y)) < far:
             return False
-        if self._from is None:
-            raise Refusal(EDGE_ON)
-        self._begin(self._from)
+        self._drag = self._begun()
         return True
 
-    def _begin(self, point: Point) -> None:
+    def _begun(self) -> Drag:
+        if self._from is None:
+            raise Refusal(EDGE_ON)
         x, y = self._action.pose.pivot.tolist()
-        self._drag = Drag.begin(self.mode, self._action.scene.frame.letters, (x, y), point)
+        return Drag.begin(self.mode, self._action.scene.frame.letters, (x, y), self._from)
 
     def _moved(self, context, event, drag):
         point = self._point(context, event)

@@ -29,14 +29,16 @@ class PoseTool(bpy.types.WorkSpaceTool):
     )
     bl_icon = "ops.pose.push"
     bl_widget = PLANAR_GGT_pins.bl_idname
+    # None of the operators for single keys has a poll: a key whose operator does not apply would go on to
+    # Blender's own, which moves or deletes the whole object. They take the key and say why nothing happens.
     bl_keymap = (
         _key("planar.click", "LEFTMOUSE"),
         _key("planar.click", "LEFTMOUSE", shift=True, properties=[("extend", True)]),
         _key("planar.click", "LEFTMOUSE", ctrl=True, properties=[("add", True)]),
-        _key("planar.key", "G", properties=[("action", "MOVE")]),
-        _key("planar.key", "R", properties=[("action", "TURN")]),
-        _key("planar.key", "X", properties=[("action", "REMOVE")]),
-        _key("planar.key", "DEL", properties=[("action", "REMOVE")]),
+        _key("planar.drag_pins", "G"),
+        _key("planar.rotate_pins", "R"),
+        _key("planar.remove_pins", "X"),
+        _key("planar.remove_pins", "DEL"),
         _key("planar.select_pins", "A", properties=[("action", "ALL")]),
         _key("planar.select_pins", "A", alt=True, properties=[("action", "NONE")]),
         _key("planar.select_pins", "I", ctrl=True, properties=[("action", "INVERT")]),

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Not a test of the add-on: run.py runs this file to see that it notices failures. The second test fails; the third
-passes, but Blender prints a Python error during it, which is a failure of the file."""
+"""Not a test of the add-on: run.py runs this file to see that it notices failures.
+
+The second test fails; the third passes, but Blender prints a Python error during it: a failure of the file.
+"""
 
 from collections.abc import Iterator
 

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dragging in all kinds of views, and while the view changes."""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from cutouts import active, moved, pin, place, ready, selected, shape, sheet
+from harness import Window
+from mathutils import Euler, Quaternion, Vector
+
+LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
+
+
+def off(window: Window, index: int, pixel: tuple[int, int]) -> float:
+    """How many pixels a pin is from where the mouse took it."""
+    return float(np.hypot(*np.subtract(window.pixel(place(index)), pixel)))
+
+
+def test_a_pin_follows_the_mouse_after_the_view_was_turned(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.drag(window.pixel(RIGHT), window.pixel((1.5, 0.0, 0.5)))
+    turns = {
+        "seen askew": (Euler((1.0, 0.0, 0.6)).to_quaternion(), "ORTHO"),
+        "in perspective": (Euler((1.2, 0.0, -0.4)).to_quaternion(), "PERSP"),
+        "from behind": (Euler((1.5, 0.0, 2.9)).to_quaternion(), "PERSP"),
+        "upside down": (Euler((-1.4, 0.0, 0.3)).to_quaternion(), "ORTHO"),
+    }
+    for name, (turn, perspective) in turns.items():
+        window.view.view_rotation, window.view.view_perspective = turn, perspective
+        yield from window.wait(0.1)
+        start = window.pixel(place(1))
+        end = (start[0] + 40, start[1] + 30)
+        yield from window.drag(start, end)
+        assert selected() == [1]
+        assert off(window, 1, end) < 3.0, name
+        assert np.all(shape()[:, 1] == 0.0), "it stays in its plane"
+
+
+def test_a_camera_view(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    sheet_object = active()
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (2.0, -9.0, 1.0), Euler((1.45, 0.1, 0.2))
+    bpy.context.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    bpy.context.view_layer.objects.active = sheet_object
+    bpy.ops.ed.undo_push(message="Camera")
+    window.view.view_perspective = "CAMERA"
+    yield from window.wait(0.1)
+    start = window.pixel(RIGHT)
+    end = (start[0] - 30, start[1] + 50)
+    yield from window.drag(start, end)
+    assert off(window, 1, end) < 3.0
+
+
+def test_a_turned_stretched_object(window: Window) -> Iterator[None]:
+    obj = sheet()
+    obj.rotation_euler, obj.scale, obj.location = (0.4, 0.7, 1.9), (1.5, 1.0, 0.5), (0.3, -0.2, 0.4)
+    bpy.context.view_layer.update()
+    spot = obj.matrix_world @ Vector((1.5, 0.0, 0.5))
+    pin(obj.matrix_world @ Vector(LEFT), spot)
+    bpy.ops.ed.undo_push(message="Test Scene")
+    window.view.view_rotation = obj.matrix_world.to_quaternion() @ Quaternion((0.7071068, 0.7071068, 0, 0))
+    window.view.view_perspective, window.view.view_distance = "ORTHO", 9.0
+    window.view.view_location = obj.location
+    yield from window.use_tool()
+    start = window.pixel(spot)
+    end = (start[0] + 20, start[1] + 60)
+    yield from window.drag(start, end)
+    assert off(window, 1, end) < 3.0
+    assert np.abs(shape()[:, 1]).max() < 1e-6, "written back through the object's own transform"
+
+
+def test_an_edge_on_view_is_refused(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, (0.0, 0.0, 0.7))
+    yield from window.look("RIGHT")
+    before = shape()
+    yield from window.drag(window.pixel((0.0, 0.0, 0.7)), window.pixel((0.0, 0.5, 0.3)))
+    assert window.busy == []
+    assert np.array_equal(shape(), before)
+    yield from window.key("A")
+    yield from window.key("G")
+    assert window.busy == []
+    yield from window.look("FRONT")
+    yield from window.drag(window.pixel((0.0, 0.0, 0.7)), window.pixel((0.2, 0.0, 0.9)))
+    assert moved(before, shape()) > 0.1
+
+
+def test_navigating_during_a_drag_moves_nothing_by_itself(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    before = shape()
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    yield from window.move(window.pixel((1.5, 0.0, 0.5)), steps=4)
+    halfway, distance, turn = shape(), window.view.view_distance, window.view.view_rotation.copy()
+    x, y = window.mouse
+    yield from window.press("MIDDLEMOUSE")
+    assert window.busy[0] == "VIEW3D_OT_rotate", window.busy
+    yield from window.move((x + 60, y + 30), steps=4)
+    yield from window.release("MIDDLEMOUSE")
+    yield from window.event("WHEELUPMOUSE", "PRESS")
+    assert window.busy == ["PLANAR_OT_drag_pins"]
+    assert window.view.view_rotation.rotation_difference(turn).angle > 0.05
+    assert window.view.view_distance < distance
+    assert np.array_equal(shape(), halfway)
+    yield from window.move((x + 61, y + 30))
+    assert moved(halfway, shape()) < 0.02, "the drag goes on from where it was"
+    pixel = window.pixel(place(1))
+    x, y = window.mouse
+    yield from window.move((x + 20, y + 20), steps=3)
+    assert off(window, 1, (pixel[0] + 20, pixel[1] + 20)) < 5.0
+    yield from window.key("ESC")
+    yield from window.release()
+    assert np.array_equal(shape(), before)
