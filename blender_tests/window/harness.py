@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a file of window tests in Blender: `blender --enable-event-simulate --python harness.py -- test_x.py`.
 
-A test is a generator function `test_...(window)`: it simulates events, and each `yield` lets Blender handle them
-and redraw. Every test starts from the factory scene without its objects, with the add-on enabled.
+A test is a generator function `test_...(window)`: it simulates events, and each `yield` lets Blender handle
+them and redraw. Every test starts from the factory scene without its objects, with the add-on enabled.
 """
 
 import ctypes
@@ -84,7 +84,7 @@ class Window:
             yield
 
     def hover(self, place: tuple[int, int]) -> Iterator[None]:
-        """Arrive there as a hand does: a gizmo lights up under a mouse that moves, and is drawn after that."""
+        """Arrive there as a hand does: a gizmo lights up under a moving mouse, and is drawn after that."""
         yield from self.move((place[0] + 2, place[1] + 1))
         yield from self.move(place)
         yield

@@ -4,6 +4,7 @@
 import math
 
 import pytest
+
 from planar_deform.model.drag import PRECISE, Drag
 
 LETTERS = ("X", "Z")

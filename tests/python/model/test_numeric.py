@@ -2,6 +2,7 @@
 """Typed numbers."""
 
 import pytest
+
 from planar_deform.model.numeric import KEYS, Numeric
 
 
