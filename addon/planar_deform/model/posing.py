@@ -20,6 +20,9 @@ Sample = tuple[float, float, float]
 # stretches the drawing little, which is what a step of a Killing field assumes.
 RAMP_SAMPLES = 24
 
+FINISHING_STEPS = 4
+THERE = 1e-4  # of the diagonal
+
 
 @dataclass(frozen=True)
 class PinResult:
@@ -63,6 +66,7 @@ class PoseAction:
             raise ValueError("moving: none of these pins is enabled and has vertices")
         self.pivot: Array = np.mean(movers, axis=0) if pivot is None else np.asarray(pivot, dtype=np.float64)
         self.path: list[Sample] = []
+        self._targets: Array | None = None
         self._set_handles()
 
     @property
@@ -82,13 +86,21 @@ class PoseAction:
             holder.handle_targets(*self._aim(holder, start, sample))
             for holder, start in zip(self._holders, self._starts, strict=True)
         ]
-        self._positions = self._poser.move(np.concatenate(targets))
+        self._targets = np.concatenate(targets)
+        self._positions = self._poser.move(self._targets)
         self.path.append(sample)
         return self._positions
 
     def finish(self) -> Array:
-        """Let the solver come to rest at the last sample, as at the release of a drag; n x 2 positions."""
-        self._positions = self._poser.settle()
+        """A few more steps to the last sample, as at the release of a drag, unless all pins are there; n x 2.
+
+        The solver's own settle() goes on until nothing gets nearer, which takes half a second where pins pull
+        hard, too long for a release.
+        """
+        for _ in range(FINISHING_STEPS):
+            if self._targets is None or self.report.furthest_handle <= THERE * self._cutout.diagonal:
+                break
+            self._positions = self._poser.move(self._targets)
         return self._positions
 
     def results(self) -> list[PinResult]:
