@@ -144,6 +144,7 @@ def show_front_view() -> None:
     for obj in objects:
         obj.select_set(obj == objects[0])
     bpy.context.view_layer.objects.active = objects[0]
+    bpy.context.scene.camera.hide_set(True)
     for screen in bpy.data.screens:
         for area in screen.areas:
             if area.type == "VIEW_3D":
