@@ -294,3 +294,14 @@ def test_vertices_extruded_in_the_posed_key_are_solved_with_a_rest_of_their_own(
     assert np.linalg.norm(new - scene.cutout.rest[[12 + 13 * row for row in range(5)]], axis=1).min() > 0.2
     assert obj.planar.flipped == 0
     assert np.array_equal(key_points(obj, "Basis"), basis)
+
+
+def test_keys_relative_to_each_other_in_a_circle_cannot_become_the_rest():
+    obj = bar()
+    first = add_key(obj, "First", 0.5, seed=1)
+    add_key(obj, "Second", 0.5, seed=2, relative="First")
+    first.relative_key = obj.data.shape_keys.key_blocks["Second"]
+    before = {key.name: coordinates(key.data) for key in obj.data.shape_keys.key_blocks}
+    with pytest.raises(RuntimeError, match="relative to the Basis"):
+        bpy.ops.planar.set_rest_to_current()
+    assert all(np.array_equal(key_points(obj, name), points) for name, points in before.items())

@@ -31,7 +31,11 @@ class PLANAR_OT_set_rest_to_current(RestOperator, bpy.types.Operator):
 
     def execute(self, context):
         obj = context.object
-        rest_store.set_to_current(obj)
+        try:
+            rest_store.set_to_current(obj)
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
         pins.forget_targets(obj)
         obj.planar.flipped = -1
         return {"FINISHED"}

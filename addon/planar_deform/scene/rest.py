@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from . import shape_keys
+from .errors import Refusal
 
 REST = "planar_rest"
 # Which mesh wrote a vertex's rest: 0 for vertices that an edit added with no rest of their own, another
@@ -71,7 +72,8 @@ def set_to_current(obj: bpy.types.Object) -> None:
     """Take the current shape as rest shape.
 
     With shape keys what the posed key adds to the shown shape goes into the Basis, the other keys move along
-    with it, and the posed key adds nothing any more: what is shown stays the same.
+    with it, and the posed key adds nothing any more: what is shown stays the same. Raises Refusal, with
+    nothing changed.
     """
     mesh = obj.data
     count = len(mesh.vertices)
@@ -81,6 +83,10 @@ def set_to_current(obj: bpy.types.Object) -> None:
     posed = shape_keys.posed_key(obj)
     if posed is None:
         return  # the Basis itself is active: it is the rest already
+    if posed.relative_key != posed and posed in _relative_chain(posed.relative_key):
+        raise Refusal(
+            f"Shape key '{posed.name}' is relative to itself by others: make it relative to the Basis"
+        )
     keys = mesh.shape_keys
     points = {key.name: shape_keys.read_points(key.data, count).astype(np.float64) for key in keys.key_blocks}
     under = shape_keys.under_posed_key(obj)

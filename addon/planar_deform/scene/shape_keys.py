@@ -112,7 +112,7 @@ def check_share(obj: bpy.types.Object, share: Array) -> None:
         return
     key = posed_key(obj)
     name = key.name if key is not None else POSE_KEY
-    if key is not None and key.vertex_group:
+    if key is not None and key.vertex_group in obj.vertex_groups:
         raise Refusal(
             f"Vertex group '{key.vertex_group}' masks shape key '{name}' where the drawing has vertices: "
             "clear the key's vertex group"
