@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on and wheels of the module with their libraries.
+"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on and a wheel of the module with its libraries.
 
-A wheel is built for each Python whose headers are in HEADERS/cpXY (tools/python_headers.py), unless the last
-one is still up to date.
+The wheel serves every Python whose headers are in HEADERS/cpXY (tools/python_headers.py): it has a module for
+each, and once the libraries, which are nearly all of its size. It is built unless the last one is up to date.
 
 usage: build_extension.py HEADERS
 """
@@ -11,7 +11,6 @@ usage: build_extension.py HEADERS
 import hashlib
 import json
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -54,7 +53,7 @@ def only_wheel(folder: Path) -> Path:
 
 
 def fingerprint(headers: Path) -> str:
-    """Changes with anything that a wheel is made from."""
+    """Changes with anything that the wheel is made from."""
     sources = [PROJECT / "CMakeLists.txt", PROJECT / "pyproject.toml", Path(__file__)]
     for folder in (PROJECT / "native", PROJECT / "tools" / "requirements", headers):
         sources += sorted(path for path in folder.rglob("*") if path.is_file())
@@ -64,34 +63,8 @@ def fingerprint(headers: Path) -> str:
     return digest.hexdigest()
 
 
-def seclude(wheel: Path) -> None:
-    """Give every function of the bundled numerical libraries a name of its own.
-
-    A Blender that is linked to another version of one of them (Debian's 5.2 is, to SuiteSparse 7) would put
-    its functions in the place of ours: the first of a name in the process is taken, from whatever file.
-    """
-    folder = wheel.parent / "unpacked"
-    run("wheel", "unpack", "--dest", folder, wheel)
-    (content,) = folder.iterdir()
-    bundled = [path for path in content.glob("*.libs/*") if not path.name.startswith(RUNTIME)]
-    table = run("nm", "--dynamic", "--defined-only", "--format=posix", *bundled)
-    names = {line.split()[0] for line in table.splitlines() if len(line.split()) > 1}
-    renaming = folder / "names"
-    renaming.write_text("".join(f"{name} planar_{name}\n" for name in sorted(names)))
-    for library in [*content.glob("*/_core.*.so"), *bundled]:
-        run("patchelf", "--rename-dynamic-symbols", renaming, library)
-    run("wheel", "pack", "--dest-dir", wheel.parent, content)
-    shutil.rmtree(folder)
-
-
-def build_wheel(tag: str, headers: Path) -> Path:
-    """A wheel for CPython `tag`, from its headers alone, that brings the libraries it needs along."""
-    raw, repaired = BUILD / tag / "raw", BUILD / tag / "repaired"
-    stamp, wanted = BUILD / tag / "stamp", fingerprint(headers)
-    if stamp.exists() and stamp.read_text() == wanted:
-        return only_wheel(repaired)
-    print(f"Building the wheel for {tag}", flush=True)
-    shutil.rmtree(BUILD / tag, ignore_errors=True)
+def compile_module(headers: Path, folder: Path) -> Path:
+    """A wheel with the module for the Python of these headers, named after the Python that runs this."""
     settings = {
         "build-dir": BUILD / "cmake",  # one for all: the library itself does not depend on Python
         "cmake.define.Python_INCLUDE_DIR": headers,
@@ -101,14 +74,71 @@ def build_wheel(tag: str, headers: Path) -> Path:
     }
     options = [f"--config-settings={key}={value}" for key, value in settings.items()]
     run(
-        "python", "-m", "pip", "wheel", "--no-build-isolation", "--no-deps", *options, "--wheel-dir", raw, "."
+        "python",
+        "-m",
+        "pip",
+        "wheel",
+        "--no-build-isolation",
+        "--no-deps",
+        *options,
+        "--wheel-dir",
+        folder,
+        ".",
     )
-    # scikit-build-core names the wheel after the Python that runs it.
-    run("wheel", "tags", "--remove", "--python-tag", tag, "--abi-tag", tag, only_wheel(raw))
-    run("auditwheel", "repair", "--strip", "--wheel-dir", repaired, only_wheel(raw))
-    seclude(only_wheel(repaired))
-    stamp.write_text(wanted)
-    return only_wheel(repaired)
+    return only_wheel(folder)
+
+
+def unpack(wheel: Path) -> Path:
+    folder = wheel.with_suffix(".unpacked")
+    run("wheel", "unpack", "--dest", folder, wheel)
+    (content,) = folder.iterdir()
+    return content
+
+
+def merge(wheels: dict[str, Path], folder: Path) -> Path:
+    """One wheel with the modules of all these wheels, by their Python tags."""
+    first, *others = wheels.values()
+    content = unpack(first)
+    for wheel in others:
+        with zipfile.ZipFile(wheel) as archive:
+            archive.extractall(content, [name for name in archive.namelist() if "/_core.cpython" in name])
+    folder.mkdir()
+    run("wheel", "pack", "--dest-dir", folder, content)
+    tags = ".".join(wheels)
+    run("wheel", "tags", "--remove", "--python-tag", tags, "--abi-tag", tags, only_wheel(folder))
+    return only_wheel(folder)
+
+
+def seclude(wheel: Path) -> None:
+    """Give every function of the bundled numerical libraries a name of its own.
+
+    A Blender that is linked to another version of one of them (Debian's 5.2 is, to SuiteSparse 7) would put
+    its functions in the place of ours: the first of a name in the process is taken, from whatever file.
+    """
+    content = unpack(wheel)
+    bundled = [path for path in content.glob("*.libs/*") if not path.name.startswith(RUNTIME)]
+    table = run("nm", "--dynamic", "--defined-only", "--format=posix", *bundled)
+    names = {line.split()[0] for line in table.splitlines() if len(line.split()) > 1}
+    renaming = content.with_name("names")
+    renaming.write_text("".join(f"{name} planar_{name}\n" for name in sorted(names)))
+    for library in [*content.glob("*/_core.*.so"), *bundled]:
+        run("patchelf", "--rename-dynamic-symbols", renaming, library)
+    run("wheel", "pack", "--dest-dir", wheel.parent, content)
+
+
+def build_wheel(headers: Path) -> Path:
+    pythons = {path.name: path for path in sorted(headers.glob("cp*"))}
+    folder, stamp = BUILD / "wheel", BUILD / "wheel" / "stamp"
+    wanted = fingerprint(headers)
+    if not stamp.exists() or stamp.read_text() != wanted:
+        print(f"Building the wheel for {', '.join(pythons)}", flush=True)
+        shutil.rmtree(folder, ignore_errors=True)
+        wheels = {tag: compile_module(path, folder / tag) for tag, path in pythons.items()}
+        merged = merge(wheels, folder / "merged")
+        run("auditwheel", "repair", "--strip", "--wheel-dir", folder / "repaired", merged)
+        seclude(only_wheel(folder / "repaired"))
+        stamp.write_text(wanted)
+    return only_wheel(folder / "repaired")
 
 
 def notices(wheel: Path) -> dict[str, str]:
@@ -120,25 +150,21 @@ def notices(wheel: Path) -> dict[str, str]:
     return {name: Path(f"/usr/share/doc/{name}/copyright").read_text() for name in sorted(packages)}
 
 
-def manifest_with(wheels: list[Path]) -> str:
-    manifest = (ADDON / "blender_manifest.toml").read_text()
-    names = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in wheels)
-    filled = re.sub(f"^{re.escape(NO_WHEELS)}$", f"wheels = [\n{names}]", manifest, flags=re.MULTILINE)
-    if filled == manifest:
+def pack(wheel: Path) -> Path:
+    template = (ADDON / "blender_manifest.toml").read_text()
+    manifest = template.replace(f"\n{NO_WHEELS}\n", f'\nwheels = ["./wheels/{wheel.name}"]\n')
+    if manifest == template:
         sys.exit(f"blender_manifest.toml has no line '{NO_WHEELS}' to fill in")
-    return filled
-
-
-def pack(wheels: list[Path]) -> Path:
-    manifest = manifest_with(wheels)
     version = tomllib.loads(manifest)["version"]
+    if wheel.name.split("-")[1] != version:
+        sys.exit(f"blender_manifest.toml has version {version}, CMakeLists.txt another: {wheel.name}")
     target = PROJECT / "dist" / f"planar_deform-{version}-{PLATFORM.replace('-', '_')}.zip"
     target.parent.mkdir(exist_ok=True)
     partial = target.with_suffix(".partial")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("blender_manifest.toml", manifest)
         archive.write(PROJECT / "LICENSE", "LICENSE")
-        for name, text in notices(wheels[0]).items():
+        for name, text in notices(wheel).items():
             archive.writestr(f"licenses/{name}.txt", text)
         for path in sorted(ADDON.rglob("*")):
             inside = path.relative_to(ADDON)
@@ -148,18 +174,14 @@ def pack(wheels: list[Path]) -> Path:
                 and inside.name != "blender_manifest.toml"
             ):
                 archive.write(path, inside)
-        for wheel in wheels:
-            archive.write(wheel, f"wheels/{wheel.name}", zipfile.ZIP_STORED)
+        archive.write(wheel, f"wheels/{wheel.name}", zipfile.ZIP_STORED)
     partial.replace(target)
     return target
 
 
 def main() -> None:
-    folders = sorted(Path(sys.argv[1]).resolve().glob("cp*"))
-    wheels = [build_wheel(folder.name, folder) for folder in folders]
-    target = pack(wheels)
-    size = target.stat().st_size / 1e6
-    print(f"{target.relative_to(PROJECT)}, {size:.0f} MB, for {', '.join(folder.name for folder in folders)}")
+    target = pack(build_wheel(Path(sys.argv[1]).resolve()))
+    print(f"{target.relative_to(PROJECT)}, {target.stat().st_size / 1e6:.0f} MB")
 
 
 if __name__ == "__main__":

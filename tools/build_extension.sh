@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Builds dist/planar_deform-VERSION-PLATFORM.zip, which installs in Blender 4.2 and newer, with a wheel of the module
-# for each Python that such a Blender has: 3.11 (4.2 to 5.0), 3.13 (5.1 and newer) and that of Debian's newest Blender.
+# for every Python that such a Blender has: 3.11 (4.2 to 5.0), 3.13 (5.1 and newer) and that of Debian's newest one.
 #
-# All are compiled on Debian 12, in this machine or in its room, since a wheel needs a C library as new as the one it
+# It is compiled on Debian 12, in this machine or in its room, since a wheel needs a C library as new as the one it
 # was made with. Of the other Pythons only the headers are there.
 # usage: tools/build_extension.sh
 set -euo pipefail
@@ -13,7 +13,7 @@ source tools/packages.sh
 
 if [[ $(. /etc/os-release && echo "$VERSION_CODENAME") != bookworm ]]; then
     if tools/room.sh bookworm; then exec tools/room.sh bookworm "$0"; fi
-    echo "Without the bookworm room the wheels are for this release of Debian and for newer systems only." >&2
+    echo "Without the bookworm room the wheel is for this release of Debian and for newer systems only." >&2
 fi
 mkdir -p build/extension
 exec 8>build/extension/lock # one build at a time

@@ -45,9 +45,12 @@ class Blender:
             self.environment["PYTHONPATH"] = str(packages)
             self.program = [sys.executable, "-S", str(STEPS), "--"]
             self.command_line = None
+            (tool,) = packages.glob("bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+            self.validator = [sys.executable, str(tool), "validate"]
         else:
             self.program = [path, "--background", "--python-exit-code", "1", "--python", str(STEPS), "--"]
             self.command_line = [path, "--command", "extension"]
+            self.validator = [*self.command_line, "validate"]
 
     def run(self, *command: str) -> str:
         result = subprocess.run(
@@ -105,6 +108,7 @@ def check_installed(blender: Blender, archive: Path) -> None:
     check(
         not any(blender.step("look").values()), "something of ours is registered before anything is installed"
     )
+    blender.run(*blender.validator, str(archive))
     there = blender.install(archive)
     check(there["add-ons"] == [MODULE], f"not enabled: {there}")
     check(
@@ -156,7 +160,7 @@ def main() -> int:
         raise SystemExit("No extension in dist/: run 'make extension' first.")
 
     steps = {
-        "installs and is enabled": lambda blender: check_installed(blender, archives[-1]),
+        "is valid, installs and is enabled": lambda blender: check_installed(blender, archives[-1]),
         "drags a pin with its own module and libraries": check_drag,
         "leaves nothing registered when disabled": check_disabled,
         "leaves no file when uninstalled": check_uninstalled,
