@@ -202,11 +202,12 @@ def test_disabled_pins_do_not_hold():
 
 def pulled_apart(obj, by):
     """Two pins on one vertex, the second dragged away: neither can reach its target."""
-    from planar_deform.scene import pins
+    from planar_deform.scene import snapshot
 
     add_pins(obj, [0], [33], [33])
     pose(obj, offset=(0.0, by))
-    return pins.unreached(obj, 1), pins.unreached(obj, 2)
+    seen = snapshot.of_active(bpy.context)
+    return [float(np.linalg.norm(seen.pin(key).target - seen.pin(key).place)) for key in (1, 2)]
 
 
 def test_pins_that_cannot_both_be_reached_tell_how_far_they_are_off():
@@ -220,10 +221,8 @@ def test_a_held_pin_keeps_its_target_until_the_mesh_is_changed_under_it():
     from planar_deform.scene.access import begin
 
     obj = bar()
-    pulled_apart(obj, 0.2)
-    held = obj.planar.pins[1]
-    assert held.has_target
-    assert pins.unreached(obj, 1) > 0.05
+    assert pulled_apart(obj, 0.2)[0] > 0.05
+    assert obj.planar.pins[1].has_target
     rest = coordinates(obj.data.attributes["planar_rest"].data, "vector")[33, :2]
     kept = pins.model_pins(obj, begin(bpy.context))[1]
     assert kept.target == pytest.approx(rest, abs=1e-6)
@@ -347,6 +346,28 @@ def test_selecting_pins():
     assert select(action="SELECT", pin=-1) == [2]
     with pytest.raises(RuntimeError, match="no pin 7"):
         bpy.ops.planar.select_pins(action="SELECT", pin=7)
+
+
+@pytest.mark.parametrize("how", ["kind", "group"])
+def test_a_pin_changed_in_the_panel_holds_the_drawing_as_it_lies(how):
+    obj = bar()
+    add_end_pins(obj, kind="PATCH")
+    obj.vertex_groups.new(name="Other").add([63, 64], 1.0, "REPLACE")
+    pose(obj, angle=0.7)
+    pin = obj.planar.pins[1]
+    assert pin.angle == pytest.approx(0.7)
+    if how == "kind":
+        pin.kind = "POINT"
+        pin.kind = "PATCH"
+    else:
+        pin.group = "Other"
+    assert not pin.has_target
+    before = coordinates(obj.data.vertices)
+    pose(obj, offset=(0.0, 0.0))
+    assert np.abs(coordinates(obj.data.vertices) - before).max() < 0.05
+    obj.vertex_groups[pin.group].name = "Renamed"
+    bpy.context.view_layer.update()
+    assert (pin.group, pin.has_target) == ("Renamed", True)
 
 
 def test_changing_the_kind_of_a_pin():

@@ -208,9 +208,6 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
             return {"CANCELLED"}
         for pin in changed:
             pin.kind = self.kind
-            # Where it is held from now on is where it is: a patch's angle is fitted at the next action.
-            pin.has_target = False
-            pin.angle = 0.0
         return {"FINISHED"}
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 
 import bpy
 import numpy as np
-from mathutils import Vector
 
 from .. import native
 from ..model.frame import Indices
@@ -39,7 +38,9 @@ def sync(obj: bpy.types.Object) -> None:
                 group = renamed
                 if pin.name == pin.group:
                     pin.name = renamed.name
-                pin.group = renamed.name
+                held = pin.has_target, pin.angle
+                pin.group = renamed.name  # which lets go of its target, as another group would
+                pin.has_target, pin.angle = held
                 used.add(renamed.name)
         index = -1 if group is None else group.index
         if pin.group_index != index:
@@ -102,15 +103,6 @@ def store_results(obj: bpy.types.Object, scene: SceneCutout, results: Iterable[P
         pin.has_target = True
         if pin.kind == "PATCH":
             pin.angle = result.angle
-
-
-def unreached(obj: bpy.types.Object, index: int) -> float:
-    """How far (world units) the last action left a pin from its target; 0 when nothing is known."""
-    pin = obj.planar.pins[index]
-    if not pin.has_target:
-        return 0.0
-    gap = obj.matrix_world.to_3x3() @ (Vector(pin.target) - Vector(pin.reached))
-    return float(gap.length)
 
 
 def store_distortion(obj: bpy.types.Object, scene: SceneCutout, positions: np.ndarray) -> None:

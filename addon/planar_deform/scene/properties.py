@@ -21,14 +21,22 @@ KINDS = (
 )
 
 
+def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
+    """Another kind or group holds the drawing where it is now; what the old one was asked for is past."""
+    pin.has_target = False
+    pin.angle = 0.0
+
+
 class PlanarPin(bpy.types.PropertyGroup):
     """A pin: a vertex group and how it holds the drawing."""
 
     name: StringProperty(name="Name", description="Label of the pin")
-    group: StringProperty(name="Vertex Group", description="Vertex group whose vertices the pin holds")
+    group: StringProperty(
+        name="Vertex Group", description="Vertex group whose vertices the pin holds", update=_let_go
+    )
     group_index: IntProperty(default=-1, options={"HIDDEN"})
     owns_group: BoolProperty(options={"HIDDEN"})  # the group was made for this pin and goes with it
-    kind: EnumProperty(name="Kind", description="How the pin holds the drawing", items=KINDS)
+    kind: EnumProperty(name="Kind", description="How the pin holds the drawing", items=KINDS, update=_let_go)
     enabled: BoolProperty(name="Enabled", description="Let this pin hold the drawing", default=True)
     weight: FloatProperty(
         name="Weight",

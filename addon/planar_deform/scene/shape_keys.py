@@ -46,7 +46,7 @@ def refusal(obj: bpy.types.Object) -> str | None:
         return None
     if key.mute:
         return f"Shape key '{key.name}' is muted: tick its box in the Shape Keys panel"
-    if getattr(key, "lock_shape", False):
+    if key.lock_shape:
         return f"Shape key '{key.name}' is locked: open its lock in the Shape Keys panel"
     if key.value == 0.0 and not obj.show_only_shape_key:
         return f"Shape key '{key.name}' has value 0, so a pose in it would not show: raise its value"

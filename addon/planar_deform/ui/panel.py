@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
 
-from ..scene import modifiers, pins, snapshot
+from ..scene import modifiers, snapshot
 from ..scene.access import pose_refusal
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
@@ -53,7 +54,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         column.menu("PLANAR_MT_add_pins", text="", icon="ADD")
         column.operator("planar.remove_pins", text="", icon="REMOVE")
         if 0 <= settings.active_pin < len(settings.pins):
-            _draw_pin(layout, obj, settings.pins[settings.active_pin], settings.active_pin)
+            _draw_pin(layout, context, settings.pins[settings.active_pin], settings.active_pin)
 
 
 class PLANAR_MT_add_pins(bpy.types.Menu):
@@ -121,7 +122,8 @@ class PLANAR_PT_distortion(PlanarPanel, bpy.types.Panel):
         names.alignment = "RIGHT"
 
 
-def _draw_pin(layout, obj, pin, index):
+def _draw_pin(layout, context, pin, index):
+    obj = context.object
     column = layout.column()
     column.use_property_split = True
     column.use_property_decorate = False
@@ -132,7 +134,9 @@ def _draw_pin(layout, obj, pin, index):
         row = column.row()
         row.enabled = False
         row.prop(pin, "angle")
-    gap = pins.unreached(obj, index)
+    seen = snapshot.of_active(context)
+    place = None if seen is None else seen.pin(index)
+    gap = 0.0 if place is None else float(np.linalg.norm(place.target - place.place))
     if gap > SHOWN_GAP * max(obj.dimensions):
         column.label(text=f"{gap:.4g} from where it was asked to be", icon="ERROR")
 
