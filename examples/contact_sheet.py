@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw, ImageFilter, ImageFont
 PAPER = (250, 245, 234)
 INK = (62, 48, 58)
 PIN = (238, 70, 92)
-SAMPLES = 24
+SAMPLES = 16
 FINE = 2  # marks are drawn at twice the size and scaled down
 GAP = 18
 CAPTION = 44

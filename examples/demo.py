@@ -117,7 +117,7 @@ def perform(character: Character) -> list[tuple[str, str, Image.Image]]:
         quality = f"area {measure.area:.3f} angle {measure.angle:.3f}"
         print(
             f"  {pose.name}: {effort.drags} drags in {effort.seconds:.1f} s, "
-            f"{1000 * effort.seconds / effort.samples:.1f} ms per mouse position (settling at release included); "
+            f"{1000 * effort.seconds / effort.samples:.1f} ms per mouse position, its release included; "
             f"distortion {quality} (2 is none), {measure.flipped} flipped"
         )
         note = f"{effort.drags} drags, distortion {measure.area:.3f} / {measure.angle:.3f}"
