@@ -87,6 +87,7 @@ def run(pictures: Path | None) -> None:
     out.mkdir(exist_ok=True)
     sheet.save(out / "contact_sheet.png", optimize=True)
     show_front_view()
+    bpy.context.preferences.filepaths.save_version = 0  # no demo.blend1 beside it
     with contact_sheet.silenced_blender():
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
     if pictures:
@@ -108,7 +109,11 @@ def perform(character: Character) -> list[tuple[str, str, Image.Image]]:
     rest = puppet.shown_points(obj)
     parts = "1 layer" if len(character.layers) == 1 else f"{len(character.layers)} layers"
     size = f"{len(rest)} vertices, {parts}, {len(obj.planar.pins)} pins"
-    print(f"{character.name}: {size}, drawn and pinned in {time.perf_counter() - start:.1f} s")
+    angle = cutout.smallest_angle(rest, triangles)
+    print(
+        f"{character.name}: {size}, no angle below {angle:.0f} degrees; "
+        f"drawn and pinned in {time.perf_counter() - start:.1f} s"
+    )
 
     cells = [("Rest", size, picture(character, obj, with_mesh=True))]
     for pose in character.poses:
