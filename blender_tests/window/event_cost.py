@@ -3,14 +3,15 @@
 
 Each row drags one of four pins of a square sheet round a circle, event by event. "event" is the time from the
 mouse event's arrival to the coordinates written to the mesh and the next event awaited; "solve", "write" and
-"marks" are its parts. "frames" are pictures of the view drawn per second meanwhile, "idle" the same without a
-drag: what this machine can draw at all, without a graphics card.
+"marks" are its parts, and "first" is the event that also makes the solver. "frames" are pictures of the view
+drawn per second meanwhile, "idle" the same without a drag: what this machine can draw at all, without a
+graphics card.
 """
 
 import statistics
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 
 import bpy
 import numpy as np
@@ -50,8 +51,12 @@ def installed(name: str):
     return next(module for path, module in sys.modules.items() if path.endswith(f".planar_deform.{name}"))
 
 
-def frames(window: Window, turn: Callable[[], None], count: int) -> Iterator[None]:
-    """Draw the view so many times; the frames a second are in `frames.rate` afterwards."""
+def show(*cells: str) -> None:
+    print("    ", *(f"{cell:>8}" for cell in cells), flush=True)
+
+
+def frames(turn: Callable[[], None]) -> Generator[None, None, float]:
+    """Call `turn` before each of EVENTS steps; the pictures drawn a second meanwhile."""
     drawn = [0]
 
     def seen() -> None:
@@ -59,27 +64,23 @@ def frames(window: Window, turn: Callable[[], None], count: int) -> Iterator[Non
 
     handle = bpy.types.SpaceView3D.draw_handler_add(seen, (), "WINDOW", "POST_PIXEL")
     start = time.perf_counter()
-    for _ in range(count):
+    for _ in range(EVENTS):
         turn()
         yield
-    frames.rate = drawn[0] / (time.perf_counter() - start)
+    seconds = time.perf_counter() - start
     bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    return drawn[0] / seconds
 
 
 def test_event_cost(window: Window) -> Iterator[None]:
-    print(
-        f"     {'vertices':>8} {'event ms':>9} {'slowest':>8} {'first':>7} {'solve':>7} {'write':>7} {'marks':>7}",
-        end="",
-    )
-    print(f" {'frames/s':>9} {'idle':>7}", flush=True)
+    show("vertices", "event ms", "slowest", "first", "solve", "write", "marks", "frames/s", "idle")
     for side in SIDES:
         sheet("Sheet", columns=side - 1, rows=side - 1, cell=4.0 / (side - 1))
         pin((-1.5, 0, -1.5), (1.5, 0, -1.5), (-1.5, 0, 1.5), (1.5, 0, 1.5))
         bpy.ops.ed.undo_push(message="Test Scene")
         yield from window.look()
         yield from window.use_tool()
-        yield from frames(window, window.area.tag_redraw, EVENTS)
-        idle = frames.rate
+        idle = yield from frames(window.area.tag_redraw)
 
         clock = Clock()
         scene = installed("scene.access").SceneCutout
@@ -93,7 +94,7 @@ def test_event_cost(window: Window) -> Iterator[None]:
         ]
         yield from window.hover(window.pixel(place(3)))
         yield from window.press()
-        yield from window.move(circle[0], steps=8)
+        yield from window.move(circle[EVENTS // 4])
         first = max(clock.times["event"])  # that makes the solver
         clock.times.clear()
         way = iter(circle)
@@ -103,16 +104,13 @@ def test_event_cost(window: Window) -> Iterator[None]:
             x, y = window.mouse
             window.window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
 
-        yield from frames(window, step, EVENTS)
+        rate = yield from frames(step)
         clock.stop()
         yield from window.release()
-        times = clock.times
+        times, parts = clock.times, ("solve", "write", "marks")
         assert len(times["solve"]) > EVENTS // 2, "most of the events moved the pin"
-        parts = [statistics.median(times[name]) for name in ("solve", "write", "marks")]
-        print(
-            f"     {side * side:8} {statistics.median(times['event']):9.1f} {max(times['event']):8.1f} {first:7.1f}"
-            f" {parts[0]:7.1f} {parts[1]:7.1f} {parts[2]:7.1f} {frames.rate:9.1f} {idle:7.1f}",
-            flush=True,
-        )
+        figures = [max(times["event"]), first, *(statistics.median(times[name]) for name in parts)]
+        figures = [statistics.median(times["event"]), *figures, rate, idle]
+        show(str(side * side), *(f"{figure:.1f}" for figure in figures))
         fresh_file()
         yield from window.wait(0.2)
