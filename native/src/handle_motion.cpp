@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double nearly_rigid = 0.05;  // what a rigid motion may leave, of the set's radius
+constexpr double nearly_rigid = 0.05;  // what a rigid motion may leave of the largest distance
 
 Complex at(const Points& points, int row) { return {points(row, 0), points(row, 1)}; }
 
@@ -37,12 +37,12 @@ Points velocities_towards(const Points& from, const Points& to, const std::vecto
     const double angle = std::arg(turn);
     const Complex rotation = std::polar(1.0, angle);
     const auto left = [&](int row) { return at(to, row) - target - rotation * (at(from, row) - centre); };
-    double most_left = 0.0, radius = 0.0;
+    double most_left = 0.0, distance = 0.0;
     for (const int row : set.rows) {
       most_left = std::max(most_left, std::abs(left(row)));
-      radius = std::max(radius, std::abs(at(from, row) - centre));
+      distance = std::max(distance, std::abs(at(to, row) - at(from, row)));
     }
-    if (!set.always && !(most_left <= nearly_rigid * radius)) continue;
+    if (!set.always && !(most_left <= nearly_rigid * distance)) continue;
     const Complex drift = (target - centre) / turning(angle);
     for (const int row : set.rows) {
       const Complex u = Complex(0.0, angle) * (at(from, row) - centre) + drift + left(row);

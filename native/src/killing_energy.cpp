@@ -10,6 +10,7 @@ namespace {
 
 constexpr double least_area = 1e-5;       // of the longest edge squared
 constexpr double brace_stiffness = 1e-3;  // of a triangle in its place
+constexpr double anchor = 1e-2;           // of a flat triangle's springs
 constexpr int spare_room = 8;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -161,6 +162,10 @@ void KillingMatrix::add_springs(const Element& element, const std::array<Eigen::
       {{1, 2}, {0, 2}, {0, 1}}};  // of the side opposite to corner c
   constexpr std::array<std::size_t, 3> block_of_side{2, 1, 0};
   double* value = matrix_.value.data();
+  for (std::size_t c = 0; c < 3; ++c) {
+    value[element.diagonal[c]] += anchor * stiffness;
+    value[element.diagonal_y[c]] += anchor * stiffness;
+  }
   for (std::size_t s = 0; s < 3; ++s) {
     const double length = side[s].squaredNorm();
     Eigen::Matrix2d spring = stiffness * Eigen::Matrix2d::Identity();

@@ -21,8 +21,10 @@ SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept);
 ///
 /// The area that P divides by is at least 1e-5 of the longest edge squared, and a triangle below that gets
 /// springs along its edges (of the stiffness of that least area), because a flat one does not resist
-/// stretching: so every triangle's energy is zero for rigid motions only, however flat it is. Orientation
-/// does not matter.
+/// stretching: so every triangle's energy is zero for rigid motions only, however flat it is. Flat triangles
+/// next to each other may still be hinged at an edge without length; a hundredth of the springs' stiffness
+/// holds their corners where they are, or rather where the rigid field that the solver takes off first puts
+/// them. Orientation does not matter.
 class KillingMatrix {
  public:
   KillingMatrix(const Mesh& mesh, const std::vector<int>& kept);

@@ -11,7 +11,7 @@ struct KillingOptions {
   bool hard = false;        ///< handles are constraints instead of weights: (7) as λ → ∞
   bool dirichlet =
       true;  ///< also solve (8), which keeps the boundary's values and is smooth at interior handles
-  Eigen::VectorXd stiffness;  ///< m factors above 0 on the triangles' energy, or empty: all 1
+  Eigen::VectorXd stiffness{};  ///< m factors above 0 on the triangles' energy, or empty: all 1
 };
 
 /// As-Killing-as-possible vector field (Solomon et al. 2011, equations (7) and (8)): n×2 velocities of the

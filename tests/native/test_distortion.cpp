@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "planar/distortion.h"
+#include "support.h"
+
+namespace planar::testing {
+namespace {
+
+constexpr double rounding = 1e-12;  // closed forms of numbers near 1
+
+Points mapped(const Points& x, const Eigen::Matrix2d& map) { return x * map.transpose(); }
+
+TEST(Distortion, RigidMotionsAreNone) {
+  const Shape shape = grid(7);
+  const Distortion d =
+      distortion(shape.vertices, rigid_motion(shape.vertices, 2.0, 3.0, -1.0), shape.triangles);
+  EXPECT_NEAR(d.area, 2.0, rounding);
+  EXPECT_NEAR(d.angle, 2.0, rounding);
+  EXPECT_EQ(d.flipped, 0);
+}
+
+TEST(Distortion, StretchInClosedForm) {
+  // Singular values 3 and 1/2: area 3/2 + 2/3, angle 6 + 1/6, for each triangle and so for their mean.
+  const Shape shape = grid(7);
+  Eigen::Matrix2d stretch =
+      Eigen::Rotation2Dd(0.7).toRotationMatrix() * Eigen::Vector2d(3.0, 0.5).asDiagonal();
+  stretch *= Eigen::Rotation2Dd(-1.1).toRotationMatrix();
+  const Distortion d = distortion(shape.vertices, mapped(shape.vertices, stretch), shape.triangles);
+  EXPECT_NEAR(d.area, 1.5 + 1.0 / 1.5, rounding);
+  EXPECT_NEAR(d.angle, 6.0 + 1.0 / 6.0, rounding);
+  EXPECT_NEAR(d.triangle_area.minCoeff(), d.triangle_area.maxCoeff(), rounding);
+}
+
+TEST(Distortion, MeansAreByRestArea) {
+  Shape shape{Points(6, 2), Triangles(2, 3)};
+  shape.vertices << 0, 0, 1, 0, 0, 1, 5, 0, 8, 0, 5, 1;  // areas 1/2 and 3/2
+  shape.triangles << 0, 1, 2, 3, 4, 5;
+  Points posed = shape.vertices;
+  posed.bottomRows(3).col(1) *= 2.0;  // area term 2 + 1/2, angle the same
+  const Distortion d = distortion(shape.vertices, posed, shape.triangles);
+  EXPECT_NEAR(d.area, 0.25 * 2.0 + 0.75 * 2.5, rounding);
+  EXPECT_NEAR(d.angle, 0.25 * 2.0 + 0.75 * 2.5, rounding);
+}
+
+TEST(Distortion, FlipsAreRelativeToRest) {
+  const Shape shape = grid(4);  // alternate triangles are turned round already
+  Eigen::Matrix2d mirror = Eigen::Vector2d(-1.0, 1.0).asDiagonal();
+  const Distortion d = distortion(shape.vertices, mapped(shape.vertices, mirror), shape.triangles);
+  EXPECT_EQ(d.flipped, shape.triangles.rows());
+  EXPECT_NEAR(d.area, 2.0, rounding);
+}
+
+TEST(Distortion, FlipsAreJudgedInFloat32) {
+  Points rest(3, 2), posed(3, 2);
+  rest << 0, 0, 1, 0, 0.5, 1;
+  Triangles triangle(1, 3);
+  triangle << 0, 1, 2;
+  // The third vertex is a little above the line between the others, but float32 puts it below.
+  posed << 100, 1, 101, 1 + 1.04e-6, 100.5, 1 + 5.3e-7;
+  const auto rounded = [](double value) { return static_cast<double>(static_cast<float>(value)); };
+  const double line = (rounded(posed(0, 1)) + rounded(posed(1, 1))) / 2.0;
+  ASSERT_GT(posed(2, 1), (posed(0, 1) + posed(1, 1)) / 2.0);
+  ASSERT_LT(rounded(posed(2, 1)), line);
+  EXPECT_EQ(distortion(rest, posed, triangle).flipped, 1);
+}
+
+TEST(Distortion, CollapsedTrianglesAreInfinite) {
+  const Shape shape = grid(3);
+  const Distortion d = distortion(shape.vertices, Points::Zero(9, 2), shape.triangles);
+  EXPECT_TRUE(std::isinf(d.area) && std::isinf(d.angle));
+  EXPECT_EQ(d.flipped, 0);
+}
+
+TEST(Distortion, TrianglesWithoutRestAreaDoNotCount) {
+  Points rest(4, 2);
+  rest << 0, 0, 1, 0, 0, 1, 2, 0;
+  Triangles triangles(2, 3);
+  triangles << 0, 1, 2, 0, 1, 3;
+  const Distortion d = distortion(rest, random_points(4, 5), triangles);
+  EXPECT_EQ(d.triangle_area[1], 2.0);
+  EXPECT_EQ(d.triangle_angle[1], 2.0);
+  EXPECT_EQ(d.area, d.triangle_area[0]);
+}
+
+TEST(Distortion, RefusesMismatchedInput) {
+  const Shape shape = grid(3);
+  EXPECT_THROW(distortion(shape.vertices, Points(8, 2), shape.triangles), std::invalid_argument);
+  EXPECT_THROW(distortion(shape.vertices, Points::Constant(9, 2, NAN), shape.triangles),
+               std::invalid_argument);
+  EXPECT_THROW(distortion({}, {}, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace planar::testing
