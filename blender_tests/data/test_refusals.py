@@ -158,3 +158,15 @@ def test_an_object_that_is_gone_or_replaced_during_an_action_is_noticed():
     other.data.vertices.add(1)
     with pytest.raises(ObjectGone):
         scene.write(scene.positions)
+
+
+def test_positions_that_blender_cannot_store_are_refused_and_change_nothing():
+    from planar_deform.scene.access import Refusal, begin
+
+    obj = bar()
+    obj.scale = (1e-6, 1e-6, 1e-6)
+    before = coordinates(obj.data.vertices)
+    scene = begin(bpy.context)
+    with pytest.raises(Refusal, match="less"):
+        scene.write(scene.positions + 1e33)
+    assert np.array_equal(coordinates(obj.data.vertices), before)

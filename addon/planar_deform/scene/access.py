@@ -184,13 +184,17 @@ class SceneCutout:
         """Show n x 2 positions: in the mesh, or through the posed shape key (made if the Basis is active).
 
         A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
+        Raises Refusal, with nothing changed, beyond what Blender can store.
         """
         moved = np.flatnonzero(np.any(positions != self.positions, axis=1))
         offsets = mapped(self.frame.lift(positions[moved] - self.positions[moved]), self._inverse)
         offsets /= self._share[moved]
         rows = self.vertex_indices[moved]
         coordinates = self._begin.copy()
-        coordinates[rows] = self._begin[rows] + offsets  # float64 until it is stored
+        with np.errstate(over="ignore"):
+            coordinates[rows] = self._begin[rows] + offsets  # float64 until it is stored
+        if not np.isfinite(coordinates[rows]).all():
+            raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
         self._store(coordinates)
 
     def write_rest(self) -> None:
