@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 source tools/packages.sh
 
 if [[ $(. /etc/os-release && echo "$VERSION_CODENAME") != bookworm ]]; then
-    if tools/room.sh bookworm; then exec tools/room.sh bookworm "$0"; fi
+    if tools/room.sh bookworm; then exec tools/room.sh bookworm tools/build_extension.sh; fi
     echo "Without the bookworm room the wheel is for this release of Debian and for newer systems only." >&2
 fi
 mkdir -p build/extension

@@ -4,9 +4,12 @@
 #include <pybind11/numpy.h>
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace py = pybind11;
 
@@ -66,30 +69,36 @@ py::array checked_array(const std::string& name, py::handle value, const char* k
   return array;
 }
 
+// Row after row. Copied as bytes, since NumPy's arrays may begin at any address.
+template <typename Number>
+std::vector<Number> entries(const py::array& source) {
+  const py::array_t<Number, py::array::c_style | py::array::forcecast> array(source);
+  std::vector<Number> result(static_cast<std::size_t>(array.size()));
+  if (!result.empty()) std::memcpy(result.data(), array.data(), result.size() * sizeof(Number));
+  return result;
+}
+
 template <typename Matrix>
 Matrix to_reals(const std::string& name, py::handle value, Eigen::Index rows, int columns) {
-  const py::array_t<double, py::array::c_style | py::array::forcecast> array(
-      checked_array(name, value, "fiu", "real numbers", rows, columns));
+  const py::array array = checked_array(name, value, "fiu", "real numbers", rows, columns);
   Matrix result(array.shape(0), columns);
-  for (Eigen::Index i = 0; i < result.size(); ++i) {
-    result.data()[i] = array.data()[i];
-    if (!std::isfinite(result.data()[i])) {
-      refuse_row(name, i / columns, "not a finite number");
-    }
+  Eigen::Index i = 0;
+  for (const double entry : entries<double>(array)) {
+    if (!std::isfinite(entry)) refuse_row(name, i / columns, "not a finite number");
+    result.data()[i++] = entry;
   }
   return result;
 }
 
 template <typename Wide, typename Matrix>
-Matrix narrow(const std::string& name, const py::array& source, int columns) {
-  const py::array_t<Wide, py::array::c_style | py::array::forcecast> array(source);
+Matrix narrow(const std::string& name, const py::array& array, int columns) {
   Matrix result(array.shape(0), columns);
-  for (Eigen::Index i = 0; i < result.size(); ++i) {
-    const Wide entry = array.data()[i];
+  Eigen::Index i = 0;
+  for (const Wide entry : entries<Wide>(array)) {
     if (!std::in_range<int>(entry)) {
       refuse_row(name, i / columns, std::to_string(entry) + " is no index");
     }
-    result.data()[i] = static_cast<int>(entry);
+    result.data()[i++] = static_cast<int>(entry);
   }
   return result;
 }
