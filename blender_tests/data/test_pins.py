@@ -231,6 +231,16 @@ def test_a_held_pin_keeps_its_target_until_the_mesh_is_changed_under_it():
     assert moved.target is None
 
 
+def test_targets_are_kept_far_from_the_origin_too():
+    from planar_deform.scene import pins
+    from planar_deform.scene.access import begin
+
+    vertices, faces = grid(12, 4)
+    obj = make_object(vertices + np.array([3000.0, -2000.0, 0.0]), faces.tolist())
+    pulled_apart(obj, 0.2)
+    assert [pin.target is None for pin in pins.model_pins(obj, begin(bpy.context))] == [False] * 3
+
+
 def test_unreached_pins_are_measured_in_world_lengths():
     gaps = []
     for scale in (1.0, 10.0):

@@ -86,7 +86,9 @@ def model_pins(obj: bpy.types.Object, scene: SceneCutout) -> list[Pin]:
         if pin.has_target:
             reached, target = scene.from_local(np.array([pin.reached, pin.target], dtype=np.float64))
             place = Holder(model, scene.cutout).place(scene.positions)
-            if np.linalg.norm(place - reached) <= SAME_PLACE * scene.cutout.diagonal:
+            # Both were stored in float32, which far from the origin is coarser than the drawing asks for.
+            rounding = 2.0**-22 * np.linalg.norm(reached)
+            if np.linalg.norm(place - reached) <= SAME_PLACE * scene.cutout.diagonal + rounding:
                 model = Pin(
                     key, pin.kind, rows[inside], weights[inside], pin.enabled, pin.weight, pin.angle, target
                 )
