@@ -8,7 +8,8 @@ import numpy as np
 
 from ..model import solver_cache
 from ..model.frame import Array
-from ..model.posing import PoseAction, Sample
+from ..model.pins import Holder
+from ..model.posing import PinResult, PoseAction, Sample
 from ..scene import pins, snapshot
 from ..scene.access import Refusal, begin
 
@@ -47,6 +48,7 @@ class SceneAction:
         self._pressed, self._extend = pressed, extend
         self._wrote = False
         self._pose: PoseAction | None = None
+        self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
         if pressed >= 0:
             settings.active_pin = pressed
@@ -63,6 +65,7 @@ class SceneAction:
                 raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
             positions, cutout = self.scene.positions, self.scene.cutout
             poser = solver_cache.poser_for(self._key, cutout, *self._options, positions)
+            self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
             self._pose = PoseAction(cutout, positions, self._pins, self._moving, poser)
         return self._pose
 
@@ -76,7 +79,7 @@ class SceneAction:
         """Take the pins to a total offset and turn, and show it. Raises ObjectGone and SolveError."""
         self.scene.resolve()
         self._write(self.pose.move(*sample))
-        snapshot.follow(self.scene, self.pose.positions, self.pose.results())
+        snapshot.follow(self.scene, self.pose.positions, [*self.pose.results(), *self._carried()])
 
     def run(self, path: list[Sample]) -> None:
         """Take the pins along a path, and show its end."""
@@ -106,6 +109,15 @@ class SceneAction:
         after = selection_on_click(self._selected_before, self._pressed, self._extend)
         self._select(after)
         return after != self._selected_before or self._active_before != self._pressed
+
+    def _carried(self) -> list[PinResult]:
+        """Where the drawing takes the pins that are off."""
+        results = []
+        for holder in self._off:
+            place = holder.place(self.pose.positions)
+            angle = holder.fitted_angle(self.pose.positions)
+            results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
+        return results
 
     def _write(self, positions: Array) -> None:
         self._wrote = True

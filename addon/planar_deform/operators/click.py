@@ -73,7 +73,7 @@ def _object_under(context: bpy.types.Context, origin: Vector, direction: Vector)
         hit, place, _normal, _index, obj, _matrix = context.scene.ray_cast(depsgraph, origin, direction)
         if not hit:
             return None
-        if not obj.original.hide_select:
+        if not obj.original.hide_select and obj.original.visible_get(viewport=context.space_data):
             return obj.original
         origin = place + direction * 1e-4
     return None

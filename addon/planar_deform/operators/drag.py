@@ -230,11 +230,20 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     bl_label = "Move Pins"
     bl_description = "Move the selected pins; the drawing follows"
 
+    @classmethod
+    def description(cls, context, properties):
+        """Names the pin under the mouse."""
+        pins = context.object.planar.pins if context.object is not None else ()
+        if 0 <= properties.pin < len(pins):
+            return f"{pins[properties.pin].name}: drag to move it; Shift to select several pins"
+        return cls.bl_description
+
     mode = "MOVE"
     offset: FloatVectorProperty(
         name="Offset",
         description="Offset of the pins along the two axes of the drawing's plane, in world units",
         size=2,
+        precision=4,
         options={"SKIP_SAVE"},
     )
 

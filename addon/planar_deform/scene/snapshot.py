@@ -31,7 +31,6 @@ class PinPlace:
     place: Array  # (3,) in the world
     target: Array  # (3,) where it was asked to be; equal to place when it is there
     turned: Array  # (3,) the direction in the world that was u at rest, turned with the pin
-    across: Array  # (3,) the same for v
 
 
 @dataclass(frozen=True)
@@ -41,6 +40,7 @@ class Snapshot:
     pins: tuple[PinPlace, ...]
     points: Array  # n x 3 world positions of the cutout's vertices; none unless the mesh is shown
     edges: Array  # e x 2 indices into them
+    refusal: str | None = None  # why the object cannot be posed, and what to do; then there is nothing else
 
     def pin(self, key: int) -> PinPlace | None:
         """The pin with this index, None if it has no place (its group is missing or empty)."""
@@ -58,7 +58,7 @@ _followed: tuple[str, int] | None = None  # the object that a drag is telling ab
 
 
 def of_active(context: bpy.types.Context) -> Snapshot | None:
-    """The active object's snapshot; None if it has no pins or cannot be posed. Changes no data."""
+    """The active object's snapshot; None if it is no mesh with pins. Changes no data."""
     global _kept
     obj = context.object
     if obj is None or obj.type != "MESH" or not obj.planar.pins:
@@ -67,27 +67,18 @@ def of_active(context: bpy.types.Context) -> Snapshot | None:
         return _kept.snapshot
     signature = _signature(obj)
     if _kept is None or _kept.signature != signature:
-        try:
-            scene = read_cutout(obj)
-        except Refusal:
-            return None
-        holders = [Holder(pin, scene.cutout) for pin in model_pins(obj, scene)]
-        results = []
-        for holder in holders:
-            place = holder.place(scene.positions)
-            target = place if holder.pin.target is None else holder.pin.target
-            angle = holder.fitted_angle(scene.positions) if holder.pin.kind == "PATCH" else 0.0
-            results.append(PinResult(holder.pin.key, holder.part, target, place, angle))
-        edges = _edges(obj, scene) if obj.planar.show_mesh else np.empty((0, 2), np.int32)
-        _kept = _Kept(signature, _snapshot(scene, scene.positions, results, edges))
+        _kept = _Kept(signature, _read(obj))
     return _kept.snapshot
 
 
 def follow(scene: SceneCutout, positions: Array, results: Iterable[PinResult]) -> None:
     """A drag is on: show this until `release`, whatever Blender's updates say."""
     global _kept, _followed
-    _followed = (scene.object_name, scene.session_uid)
-    edges = np.empty((0, 2), np.int32) if _kept is None else _kept.snapshot.edges
+    if _followed is None or _kept is None:
+        _followed = (scene.object_name, scene.session_uid)
+        edges = _edges(scene)
+    else:
+        edges = _kept.snapshot.edges
     _kept = _Kept((), _snapshot(scene, positions, results, edges))
 
 
@@ -110,8 +101,26 @@ def _signature(obj: bpy.types.Object) -> tuple:
     return obj.name, obj.session_uid, obj.mode, obj.planar.show_mesh, pins
 
 
-def _edges(obj: bpy.types.Object, scene: SceneCutout) -> Array:
-    """The mesh's own edges, e x 2 in the cutout's indices, without loose ones."""
+def _read(obj: bpy.types.Object) -> Snapshot:
+    try:
+        scene = read_cutout(obj)
+    except Refusal as refusal:
+        return Snapshot((), np.empty((0, 3)), np.empty((0, 2), np.int32), str(refusal))
+    results = []
+    for pin in model_pins(obj, scene):
+        holder = Holder(pin, scene.cutout)
+        place = holder.place(scene.positions)
+        target = place if pin.target is None else pin.target
+        angle = holder.fitted_angle(scene.positions) if pin.kind == "PATCH" else 0.0
+        results.append(PinResult(pin.key, holder.part, target, place, angle))
+    return _snapshot(scene, scene.positions, results, _edges(scene))
+
+
+def _edges(scene: SceneCutout) -> Array:
+    """The mesh's own edges, e x 2 in the cutout's indices, without loose ones; none unless they are shown."""
+    obj = scene.resolve()
+    if not obj.planar.show_mesh:
+        return np.empty((0, 2), np.int32)
     pairs = np.empty(len(obj.data.edges) * 2, np.int32)
     obj.data.edges.foreach_get("vertices", pairs)
     rows = np.full(len(obj.data.vertices), -1, np.int32)
@@ -125,9 +134,8 @@ def _snapshot(scene: SceneCutout, positions: Array, results: Iterable[PinResult]
     for result in results:
         part = np.array([result.part, result.part], np.int32)
         place, target = scene.to_world(np.array([result.reached, result.target]), part)
-        c, s = np.cos(result.angle), np.sin(result.angle)
-        turned, across = scene.frame.lift(np.array([[c, s], [-s, c]]))
-        pins.append(PinPlace(result.key, place, target, turned, across))
+        turned = scene.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
+        pins.append(PinPlace(result.key, place, target, turned))
     points = scene.to_world(positions, scene.cutout.parts) if len(edges) else np.empty((0, 3))
     return Snapshot(tuple(pins), points, edges)
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
@@ -15,36 +17,30 @@ REACH = 12.0  # pixels at a UI scale of 1 from the middle of a pin within which 
 SHOWN_GAP = 3.0  # pixels from its target below which a pin counts as there
 
 
-def pin_at(context: bpy.types.Context, mouse: tuple[float, float]) -> int | None:
-    """The index of the pin nearest to a pixel of the region, if it is in reach."""
-    seen = snapshot.of_active(context)
-    if seen is None:
-        return None
-    best, nearest = None, REACH * context.preferences.system.ui_scale
-    for pin in seen.pins:
-        place = location_3d_to_region_2d(context.region, context.region_data, Vector(pin.place))
-        if place is not None and (distance := (place - Vector(mouse)).length) <= nearest:
-            best, nearest = pin.key, distance
-    return best
-
-
 class PLANAR_GT_pin(bpy.types.Gizmo):
     bl_idname = "PLANAR_GT_pin"
 
-    __slots__ = ("key",)
+    # The pin's index; where it is now, if anywhere; and where all pins of the view are.
+    __slots__ = ("all_marks", "key", "mark")
 
     def test_select(self, context, location):
-        return 0 if pin_at(context, location) == self.key else -1
+        """Whether the mouse is on this pin and on no other one more closely."""
+        if self.mark is None:
+            return -1
+        mouse = Vector(location)
+        own = _distance(context, self.mark, mouse)
+        if own > REACH * context.preferences.system.ui_scale:
+            return -1
+        nearer = (_distance(context, mark, mouse) < own for mark in self.all_marks)
+        return -1 if any(nearer) else 0
 
     def draw(self, context):
-        seen = snapshot.of_active(context)
-        found = None if seen is None else seen.pin(self.key)
-        if found is None or self.key >= len(context.object.planar.pins):
-            return
         settings = context.object.planar
-        pin = settings.pins[self.key]
+        if self.mark is None or self.key >= len(settings.pins):
+            return
+        pin, mark = settings.pins[self.key], self.mark
         region, view = context.region, context.region_data
-        place = location_3d_to_region_2d(region, view, Vector(found.place))
+        place = location_3d_to_region_2d(region, view, Vector(mark.place))
         if place is None:
             return
         scale = context.preferences.system.ui_scale
@@ -53,11 +49,11 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
             fill = tuple(0.5 * (a + b) for a, b in zip(fill, marks.OFF, strict=True))
         state = {"lit": self.is_highlight, "active": settings.active_pin == self.key}
         with marks.pixels(region):
-            target = location_3d_to_region_2d(region, view, Vector(found.target))
+            target = location_3d_to_region_2d(region, view, Vector(mark.target))
             if target is not None and (target - place).length > SHOWN_GAP * scale:
                 marks.draw_gap(place, target, scale)
             if pin.kind == "PATCH":
-                arm = Vector(found.place + 0.01 * view.view_distance * found.turned)
+                arm = Vector(mark.place + 0.01 * view.view_distance * mark.turned)
                 ahead = location_3d_to_region_2d(region, view, arm)
                 turned = ahead - place if ahead is not None else Vector((1.0, 0.0))
                 marks.draw_patch(place, turned, scale, fill, **state)
@@ -77,6 +73,7 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
         return pose_tool_is_active(context)
 
     def setup(self, context):
+        self.all_marks = []
         self._match(context)
 
     def refresh(self, context):
@@ -89,16 +86,24 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
         """A gizmo for each pin, where the pin is. What is left over is hidden, not removed: the one under the
         mouse may be among them."""
         seen = snapshot.of_active(context)
-        places = {} if seen is None else {pin.key: pin.place for pin in seen.pins}
-        while len(self.gizmos) <= max(places, default=-1):
+        self.all_marks[:] = [] if seen is None else seen.pins
+        found = {mark.key: mark for mark in self.all_marks}
+        while len(self.gizmos) <= max(found, default=-1):
             gizmo = self.gizmos.new(PLANAR_GT_pin.bl_idname)
-            gizmo.key = len(self.gizmos) - 1
+            gizmo.key, gizmo.all_marks = len(self.gizmos) - 1, self.all_marks
             gizmo.target_set_operator("planar.drag_pins").pin = gizmo.key
             gizmo.use_draw_modal = True
         for gizmo in self.gizmos:
-            gizmo.hide = gizmo.key not in places
-            if not gizmo.hide:
-                gizmo.matrix_basis = Matrix.Translation(Vector(places[gizmo.key]))
+            gizmo.mark = found.get(gizmo.key)
+            gizmo.hide = gizmo.mark is None
+            if gizmo.mark is not None:
+                gizmo.matrix_basis = Matrix.Translation(Vector(gizmo.mark.place))
+
+
+def _distance(context, mark, mouse):
+    """How many pixels the mouse is from a pin."""
+    place = location_3d_to_region_2d(context.region, context.region_data, Vector(mark.place))
+    return math.inf if place is None else (place - mouse).length
 
 
 CLASSES = (PLANAR_GT_pin, PLANAR_GGT_pins)

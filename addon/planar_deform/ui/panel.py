@@ -25,7 +25,7 @@ class PLANAR_UL_pins(bpy.types.UIList):
         row.prop(item, "name", text="", emboss=False, icon=KIND_ICONS[item.kind])
         if item.group not in obj.vertex_groups:
             row.label(text="no group", icon="ERROR")
-        elif (seen := snapshot.of_active(context)) is not None and seen.pin(index) is None:
+        elif (seen := snapshot.of_active(context)) and not seen.refusal and seen.pin(index) is None:
             row.label(text="empty", icon="ERROR")
         row.prop(item, "enabled", text="", emboss=False, icon="PINNED" if item.enabled else "UNPINNED")
 
@@ -42,7 +42,8 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         obj = context.object
-        reason = pose_refusal(obj)
+        seen = snapshot.of_active(context)
+        reason = pose_refusal(obj) or (seen.refusal if seen is not None else None)
         if reason is not None:
             _lines(layout, reason, "INFO", context)
         if obj is None or obj.type != "MESH":
@@ -52,7 +53,9 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         row.template_list("PLANAR_UL_pins", "", settings, "pins", settings, "active_pin", rows=4)
         column = row.column(align=True)
         column.menu("PLANAR_MT_add_pins", text="", icon="ADD")
-        column.operator("planar.remove_pins", text="", icon="REMOVE")
+        row = column.row()
+        row.enabled = any(pin.select for pin in settings.pins)
+        row.operator("planar.remove_pins", text="", icon="REMOVE")
         if 0 <= settings.active_pin < len(settings.pins):
             _draw_pin(layout, context, settings.pins[settings.active_pin], settings.active_pin)
 
