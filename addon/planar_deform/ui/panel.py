@@ -10,8 +10,8 @@ from ..scene import modifiers, snapshot
 from ..scene.access import pose_refusal
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
-# Relative to the reach of the eye: pins are soft, and a gap far below a line's width is none.
-SHOWN_GAP = 1e-4
+# Of the drawing's size: pins are soft, and below this the solver itself calls a handle reached.
+SHOWN_GAP = 1e-3
 
 
 class PLANAR_UL_pins(bpy.types.UIList):
@@ -141,7 +141,7 @@ def _draw_pin(layout, context, pin, index):
     place = None if seen is None else seen.pin(index)
     gap = 0.0 if place is None else float(np.linalg.norm(place.target - place.place))
     if gap > SHOWN_GAP * max(obj.dimensions):
-        column.label(text=f"{gap:.4g} from where it was asked to be", icon="ERROR")
+        _lines(layout, f"{gap:.4g} from where it was asked to be", "ERROR", context)
 
 
 def _lines(layout, text, icon, context):
