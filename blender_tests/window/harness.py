@@ -8,6 +8,7 @@ them and redraw. Every test starts from the factory scene without its objects, w
 import ctypes
 import importlib.util
 import inspect
+import itertools
 import os
 import subprocess
 import sys
@@ -65,7 +66,9 @@ class Window:
     # ---- events; each helper ends with a yield, so that Blender has handled them
     def wait(self, seconds: float) -> Iterator[None]:
         until = time.monotonic() + seconds
-        while time.monotonic() < until:
+        for step in itertools.count():  # a few steps at least, however long a redraw takes
+            if step >= 4 and time.monotonic() >= until:
+                return
             yield
 
     def event(self, kind: str, value: str, **modifiers: bool) -> Iterator[None]:

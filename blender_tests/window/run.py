@@ -22,7 +22,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 SCREEN = "1280x800x24"
-TIMEOUT = 240  # seconds a file: ten times what the slowest one needs on two cores
+TIMEOUT = 600  # seconds a file: a minute on two idle cores, but they may be busy
 
 
 def environment(work: Path) -> dict[str, str]:

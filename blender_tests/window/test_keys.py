@@ -56,6 +56,10 @@ def test_typed_numbers(window: Window) -> Iterator[None]:
     yield from window.key("RET")
     assert tuple(last().properties.offset) == (0.25, -0.5)
     assert np.allclose(place(1), (1.75, 0.0, -0.5), atol=0.05), place(1)
+    typed = shape()
+    yield from window.undo()
+    bpy.ops.planar.drag_pins("EXEC_DEFAULT", True, offset=(0.25, -0.5))
+    assert np.array_equal(shape(), typed), "the digits on the way leave no trace"
     yield from window.undo()
     yield from window.key("G")
     yield from window.key("Z")

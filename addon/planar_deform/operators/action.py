@@ -79,7 +79,13 @@ class SceneAction:
         """Take the pins to a total offset and turn, and show it. Raises ObjectGone and SolveError."""
         self.scene.resolve()
         self._write(self.pose.move(*sample))
-        snapshot.follow(self.scene, self.pose.positions, [*self.pose.results(), *self._carried()])
+        self._tell()
+
+    def retrace(self, path: list[Sample]) -> None:
+        """Take the pins along another path instead of the one so far, and show its end."""
+        self._pose = None
+        self.run(path)
+        self._tell()
 
     def run(self, path: list[Sample]) -> None:
         """Take the pins along a path, and show its end."""
@@ -93,7 +99,6 @@ class SceneAction:
         positions = self.pose.finish()
         self._write(positions)
         pins.store_results(obj, self.scene, self.pose.results())
-        pins.store_distortion(obj, self.scene, positions)
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""
@@ -110,14 +115,14 @@ class SceneAction:
         self._select(after)
         return after != self._selected_before or self._active_before != self._pressed
 
-    def _carried(self) -> list[PinResult]:
-        """Where the drawing takes the pins that are off."""
-        results = []
+    def _tell(self) -> None:
+        """Where all pins are by now; those that are off go where the drawing takes them."""
+        positions = self.pose.positions
+        results = self.pose.results()
         for holder in self._off:
-            place = holder.place(self.pose.positions)
-            angle = holder.fitted_angle(self.pose.positions)
+            place, angle = holder.place(positions), holder.fitted_angle(positions)
             results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
-        return results
+        snapshot.follow(self.scene, positions, results)
 
     def _write(self, positions: Array) -> None:
         self._wrote = True

@@ -143,7 +143,12 @@ class PinTransform:
         elif pressed and not (event.is_repeat and event.type in drag.letters):
             drag = drag.pressed(event.type) or drag
         if drag.sample != self._drag.sample:
-            self._action.move(drag.sample)
+            if drag.numeric.active or self._drag.numeric.active:
+                # Not by way of each digit: a typed value gives the shape that a script gets with it.
+                self.keep_result(drag.sample)
+                self._action.retrace(self.edited([]))
+            else:
+                self._action.move(drag.sample)
         if drag.text != self._drag.text and context.area is not None:
             context.area.header_text_set(drag.text)
         self._drag = drag
