@@ -94,8 +94,16 @@ def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
         action.move(offset[0] * step / 8, offset[1] * step / 8, angle * step / 8)
     scene.write(action.finish())
     pins.store_results(obj, scene, action.results())
-    pins.store_distortion(obj, scene, action.positions)
     return scene, action
+
+
+def measured(obj):
+    """The distortion that the panel shows for an object."""
+    from planar_deform.scene import snapshot
+
+    activate(obj)
+    snapshot.forget()  # Blender tells of changes later than a test asks
+    return snapshot.of_active(bpy.context).distortion
 
 
 def world(obj, points=None):

@@ -15,6 +15,7 @@ from support import (
     evaluated,
     grid,
     make_object,
+    measured,
     pose,
     world,
 )
@@ -120,7 +121,7 @@ def test_ngons_and_concave_faces_are_posed_and_stay_as_they_are():
     add_pins(obj, [0, 4], [5, 6])
     pose(obj, offset=(0.0, 0.5))
     assert [list(face.vertices) for face in obj.data.polygons] == [[0, 1, 2, 3, 4], [1, 5, 6, 2]]
-    assert obj.planar.flipped == 0
+    assert measured(obj).flipped == 0
     from planar_deform.scene.access import begin
 
     triangles = begin(bpy.context).cutout.triangles

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from support import activate, add_end_pins, bar, coordinates, evaluated, pose
+from support import activate, add_end_pins, bar, coordinates, evaluated, measured, pose
 
 
 def key_points(obj, name):
@@ -292,7 +292,7 @@ def test_vertices_extruded_in_the_posed_key_are_solved_with_a_rest_of_their_own(
     scene, _ = pose(obj, offset=(0.0, 0.1))
     new = scene.cutout.rest[65:]
     assert np.linalg.norm(new - scene.cutout.rest[[12 + 13 * row for row in range(5)]], axis=1).min() > 0.2
-    assert obj.planar.flipped == 0
+    assert measured(obj).flipped == 0
     assert np.array_equal(key_points(obj, "Basis"), basis)
 
 

@@ -37,7 +37,6 @@ class PLANAR_OT_set_rest_to_current(RestOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         pins.forget_targets(obj)
-        obj.planar.flipped = -1
         return {"FINISHED"}
 
 
@@ -52,12 +51,10 @@ class PLANAR_OT_reset_to_rest(RestOperator, bpy.types.Operator):
         obj = context.object
         try:
             begin(context).write_rest()
-            scene = begin(context)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         pins.forget_targets(obj)
-        pins.store_distortion(obj, scene, scene.positions)
         return {"FINISHED"}
 
 

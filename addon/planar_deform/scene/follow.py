@@ -14,17 +14,13 @@ CLASSES = ()
 
 @persistent
 def follow_edits(scene, depsgraph):
-    """After each update: pins follow the groups of their object, and an edit ends a measured distortion."""
+    """After each update: pins follow the groups of their object."""
     for update in depsgraph.updates:
         obj = update.id.original
         if not isinstance(obj, bpy.types.Object) or obj.type != "MESH" or not obj.planar.pins:
             continue
-        if obj.library is not None:
-            continue
-        if obj.mode == "OBJECT":
+        if obj.library is None and obj.mode == "OBJECT":
             sync(obj)
-        elif obj.mode == "EDIT" and update.is_updated_geometry and obj.planar.flipped >= 0:
-            obj.planar.flipped = -1
 
 
 @persistent

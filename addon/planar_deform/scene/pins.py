@@ -8,7 +8,6 @@ from collections.abc import Iterable
 import bpy
 import numpy as np
 
-from .. import native
 from ..model.frame import Indices
 from ..model.locate import MeshPoint
 from ..model.pins import Holder, Pin
@@ -105,14 +104,6 @@ def store_results(obj: bpy.types.Object, scene: SceneCutout, results: Iterable[P
         pin.has_target = True
         if pin.kind == "PATCH":
             pin.angle = result.angle
-
-
-def store_distortion(obj: bpy.types.Object, scene: SceneCutout, positions: np.ndarray) -> None:
-    """Measure n x 2 positions against the rest shape, for the panel."""
-    settings = obj.planar
-    measured = native.distortion(scene.cutout.rest, positions, scene.cutout.triangles)
-    settings.area_distortion, settings.angle_distortion = measured.area, measured.angle
-    settings.flipped = measured.flipped
 
 
 def forget_targets(obj: bpy.types.Object) -> None:

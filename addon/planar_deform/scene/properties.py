@@ -81,10 +81,6 @@ class PlanarSettings(bpy.types.PropertyGroup):
         soft_max=1e5,
     )
     show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
-    # Distortion after the last action; flipped is -1 when it has not been measured since the mesh changed.
-    area_distortion: FloatProperty(options={"HIDDEN"})
-    angle_distortion: FloatProperty(options={"HIDDEN"})
-    flipped: IntProperty(default=-1, options={"HIDDEN"})
 
 
 CLASSES = (PlanarPin, PlanarSettings)

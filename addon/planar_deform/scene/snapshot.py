@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the active object's pins and edges are in the world, for drawing and for what is under the mouse.
+"""What is shown of the active object: where its pins and edges are in the world, and how distorted it is.
 
 Reading a mesh takes milliseconds, so it is done once and kept until Blender says that something has changed.
 While a drag is on, the drag itself tells where everything is.
@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
+from .. import native
 from ..model.frame import Array
 from ..model.pins import Holder
 from ..model.posing import PinResult
@@ -31,6 +32,7 @@ class PinPlace:
     place: Array  # (3,) in the world
     target: Array  # (3,) where it was asked to be; equal to place when it is there
     turned: Array  # (3,) the direction in the world that was u at rest, turned with the pin
+    angle: float  # radians a patch is turned from rest
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ class Snapshot:
     pins: tuple[PinPlace, ...]
     points: Array  # n x 3 world positions of the cutout's vertices; none unless the mesh is shown
     edges: Array  # e x 2 indices into them
+    distortion: native.Distortion | None = None  # of the shown shape; during a drag, of the one it began with
     refusal: str | None = None  # why the object cannot be posed, and what to do; then there is nothing else
 
     def pin(self, key: int) -> PinPlace | None:
@@ -76,10 +79,10 @@ def follow(scene: SceneCutout, positions: Array, results: Iterable[PinResult]) -
     global _kept, _followed
     if _followed is None or _kept is None:
         _followed = (scene.object_name, scene.session_uid)
-        edges = _edges(scene)
+        edges, distortion = _edges(scene), _distortion(scene)
     else:
-        edges = _kept.snapshot.edges
-    _kept = _Kept((), _snapshot(scene, positions, results, edges))
+        edges, distortion = _kept.snapshot.edges, _kept.snapshot.distortion
+    _kept = _Kept((), _snapshot(scene, positions, results, edges, distortion))
 
 
 def release() -> None:
@@ -105,7 +108,7 @@ def _read(obj: bpy.types.Object) -> Snapshot:
     try:
         scene = read_cutout(obj)
     except Refusal as refusal:
-        return Snapshot((), np.empty((0, 3)), np.empty((0, 2), np.int32), str(refusal))
+        return Snapshot((), np.empty((0, 3)), np.empty((0, 2), np.int32), refusal=str(refusal))
     results = []
     for pin in model_pins(obj, scene):
         holder = Holder(pin, scene.cutout)
@@ -113,7 +116,11 @@ def _read(obj: bpy.types.Object) -> Snapshot:
         target = place if pin.target is None else pin.target
         angle = holder.fitted_angle(scene.positions) if pin.kind == "PATCH" else 0.0
         results.append(PinResult(pin.key, holder.part, target, place, angle))
-    return _snapshot(scene, scene.positions, results, _edges(scene))
+    return _snapshot(scene, scene.positions, results, _edges(scene), _distortion(scene))
+
+
+def _distortion(scene: SceneCutout) -> native.Distortion:
+    return native.distortion(scene.cutout.rest, scene.positions, scene.cutout.triangles)
 
 
 def _edges(scene: SceneCutout) -> Array:
@@ -129,15 +136,21 @@ def _edges(scene: SceneCutout) -> Array:
     return edges[(edges >= 0).all(axis=1)]
 
 
-def _snapshot(scene: SceneCutout, positions: Array, results: Iterable[PinResult], edges: Array) -> Snapshot:
+def _snapshot(
+    scene: SceneCutout,
+    positions: Array,
+    results: Iterable[PinResult],
+    edges: Array,
+    distortion: native.Distortion,
+) -> Snapshot:
     pins = []
     for result in results:
         part = np.array([result.part, result.part], np.int32)
         place, target = scene.to_world(np.array([result.reached, result.target]), part)
         turned = scene.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
-        pins.append(PinPlace(result.key, place, target, turned))
+        pins.append(PinPlace(result.key, place, target, turned, result.angle))
     points = scene.to_world(positions, scene.cutout.parts) if len(edges) else np.empty((0, 3))
-    return Snapshot(tuple(pins), points, edges)
+    return Snapshot(tuple(pins), points, edges, distortion)
 
 
 @persistent

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import bpy
 import numpy as np
 
@@ -109,16 +111,17 @@ class PLANAR_PT_distortion(PlanarPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        settings = context.object.planar
-        if settings.flipped < 0:
-            layout.label(text="Measured when pins are moved")
+        seen = snapshot.of_active(context)
+        if seen is None or seen.distortion is None:
+            layout.label(text="Measured on a drawing with pins")
             return
+        distortion = seen.distortion
         split = layout.split(factor=0.5)
         names, values = split.column(align=True), split.column(align=True)
         for name, value in (
-            ("Area", f"{settings.area_distortion:.3f}  (2 is none)"),
-            ("Angle", f"{settings.angle_distortion:.3f}  (2 is none)"),
-            ("Flipped", f"{settings.flipped}  triangle{'' if settings.flipped == 1 else 's'}"),
+            ("Area", f"{distortion.area:.3f}  (2 is none)"),
+            ("Angle", f"{distortion.angle:.3f}  (2 is none)"),
+            ("Flipped", f"{distortion.flipped}  triangle{'' if distortion.flipped == 1 else 's'}"),
         ):
             names.label(text=name)
             values.label(text=value)
@@ -133,13 +136,16 @@ def _draw_pin(layout, context, pin, index):
     column.prop(pin, "kind")
     column.prop_search(pin, "group", obj, "vertex_groups", text="Group")
     column.prop(pin, "weight")
-    if pin.kind == "PATCH":
-        row = column.row()
-        row.enabled = False
-        row.prop(pin, "angle")
     seen = snapshot.of_active(context)
     place = None if seen is None else seen.pin(index)
-    gap = 0.0 if place is None else float(np.linalg.norm(place.target - place.place))
+    if place is None:
+        return
+    if pin.kind == "PATCH":
+        split = column.split(factor=0.4)
+        split.alignment = "RIGHT"
+        split.label(text="Turned")
+        split.label(text=f"{math.degrees(place.angle):.1f}°")
+    gap = float(np.linalg.norm(place.target - place.place))
     if gap > SHOWN_GAP * max(obj.dimensions):
         _lines(layout, f"{gap:.4g} from where it was asked to be", "ERROR", context)
 
