@@ -32,7 +32,9 @@ class Spirals {
 
   std::vector<std::array<int, 2>> edges_;
   std::vector<double> inverse_degree_;  ///< 0 without edges
-  std::vector<std::complex<double>> x_, velocity_, z_, phi_;
+  std::vector<std::complex<double>> x_, velocity_, phi_;
+  std::vector<double> z_real_, z_imag_;  ///< apart, so that the compiler computes several edges at once
+  double largest_ = 0.0;
   double t_ = 0.0;
 };
 
