@@ -22,7 +22,8 @@ esac
 # room at once, and nothing stays mounted however this ends.
 if [[ ${PLANAR_NAMESPACE:-} != "$$" ]]; then # a process keeps its number through exec; a child's differs
     if ((EUID != 0)); then
-        command -v sudo >/dev/null || { echo "Making a Debian room needs root or sudo." >&2 && exit 1; }
+        needs_root="The Debian room $name needs root or sudo. (Window tests also run in BLENDER=/path/to/blender.)"
+        command -v sudo >/dev/null || { echo "$needs_root" >&2 && exit 1; }
         exec sudo --preserve-env env PLANAR_USER="$(id -u):$(id -g)" "$0" "$@"
     fi
     "$project/tools/apt.sh" debootstrap mount

@@ -17,8 +17,10 @@ if [[ ! -e /proc/self/exe ]]; then # a bare chroot; compilers, sanitizers and Bl
 fi
 
 bpy_environment() {
+    local version
     tools/apt.sh "${build_packages[@]}" "${bpy_packages[@]}"
-    tools/venv.sh .venv "bpy-$(tools/default_bpy.sh).txt" "$@"
+    version=$(tools/default_bpy.sh)
+    tools/venv.sh .venv "bpy-$version.txt" "$@"
     tools/module.sh .venv
 }
 
