@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Prepares a Debian 12 or 13 machine for one of the project's commands: Debian packages, the .venv with pinned
 # Python packages, the compiled module in it. Each part is done only when it is missing or out of date.
-# usage: tools/setup.sh demo|test|native|lint|extension
+# usage: tools/setup.sh demo|test|native|lint
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=tools/packages.sh
@@ -29,6 +29,5 @@ case ${1:-} in
     test) bpy_environment test.txt ;;
     native) tools/apt.sh "${build_packages[@]}" "${native_test_packages[@]}" ;;
     lint) tools/apt.sh "${build_packages[@]}" "${native_test_packages[@]}" "${lint_packages[@]}" && bpy_environment test.txt lint.txt ;;
-    extension) tools/apt.sh "${build_packages[@]}" && tools/venv.sh .venv package.txt ;;
     *) sed -n 's/^# usage: /usage: /p' "$0" >&2 && exit 2 ;;
 esac
