@@ -25,14 +25,13 @@ lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, and the add-on's regist
 	@tools/lint.sh
 
 bench: ## Tables of the native solver's speed and of a drag's cost in Blender's window
-	@tools/setup.sh demo
 	@tools/bench.sh
 
 extension: dist/.built ## dist/planar_deform-*.zip, to be installed in Blender
 
 # What is packed or compiled, with its folders, whose dates tell of files that were added or removed.
 EXTENSION_SOURCES := $(shell find addon native CMakeLists.txt pyproject.toml LICENSE tools/build_extension* \
-    tools/requirements -not -name __pycache__ -not -name '*.pyc')
+    tools/python_headers.py tools/requirements -not -name __pycache__ -not -name '*.pyc')
 dist/.built: $(EXTENSION_SOURCES)
 	@tools/build_extension.sh
 	@touch $@

@@ -4,9 +4,11 @@
 # usage: tools/bench.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
-PATH=/usr/bin:/bin:$PATH # the distribution's cmake and compiler, before a user's own
 tools/setup.sh native
-cmake --preset release >/dev/null
-cmake --build build/release --parallel "$(nproc)" --target planar_benchmarks
+( # the distribution's cmake and compiler, before a user's own
+    PATH=/usr/bin:/bin:$PATH
+    cmake --preset release >/dev/null
+    cmake --build build/release --parallel "$(nproc)" --target planar_benchmarks
+)
 build/release/benchmarks/planar_benchmarks
 tools/window_tests.sh blender_tests/window/event_cost.py
