@@ -152,6 +152,7 @@ void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorX
     parts[state_->solver.mesh().part[static_cast<std::size_t>(handles.vertices(row, 0))]].push_back(row);
   }
   std::vector<MovingTogether> together;
+  together.reserve(parts.size() + pins.size());
   for (auto& [part, rows] : parts) together.push_back({std::move(rows), false});
   for (auto& [label, rows] : pins) together.push_back({std::move(rows), true});
   state_->together = std::move(together);
