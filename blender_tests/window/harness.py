@@ -120,7 +120,11 @@ class Window:
             zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NINE".split(), strict=True)
         )
         for character in text:
-            yield from self.key({**names, ".": "PERIOD", "-": "MINUS"}[character])
+            kind = {**names, ".": "PERIOD", "-": "MINUS"}[character]
+            x, y = self.mouse
+            self.window.event_simulate(type=kind, value="PRESS", unicode=character, x=x, y=y)
+            yield
+            yield from self.release(kind)
 
     def undo(self) -> Iterator[None]:
         yield from self.key("Z", ctrl=True)

@@ -61,7 +61,7 @@ def install(blender: str, work: Path, extension: Path) -> None:
 
 
 def run_file(blender: str, work: Path, file: Path) -> tuple[int, int, str]:
-    """(passed, failed, what was printed) of one test file."""
+    """(passed, failed, what was printed and what else is wrong) of one test file."""
     screen = ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}"]
     window = [blender, "--enable-event-simulate", "--window-geometry", "0", "0", "1280", "800"]
     script = ["--python-exit-code", "1", "--python", str(HERE / "harness.py"), "--", str(file)]
@@ -69,10 +69,10 @@ def run_file(blender: str, work: Path, file: Path) -> tuple[int, int, str]:
     closing = re.search(r"^(\d+) passed, (\d+) failed$", output, re.MULTILINE)
     passed, failed = (int(closing[1]), int(closing[2])) if closing else (0, 0)
     if re.search(r"^Traceback|Error: Python: Traceback", output, re.MULTILINE):
-        print(f"FAIL {file.name}: Blender printed a Python error")
+        output += f"FAIL {file.name}: Blender printed a Python error\n"
         failed += 1
     if failed == 0 and (code != 0 or passed == 0):
-        print(f"FAIL {file.name}: exit code {code}, {passed} tests passed")
+        output += f"FAIL {file.name}: exit code {code}, {passed} tests passed\n"
         failed += 1
     return passed, failed, output
 

@@ -164,6 +164,25 @@ def test_the_redo_panel_repeats_and_changes_a_drag(window: Window) -> Iterator[N
     assert np.array_equal(shape(), before)
 
 
+def test_a_value_typed_into_the_redo_panel(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.drag(window.pixel(RIGHT), window.pixel((1.5, 0.0, 0.6)))
+    panel = window.region("HUD")
+    yield from window.click((panel.x + 15, panel.y + panel.height // 2))  # opens it
+    yield from window.wait(0.3)
+    panel = window.region("HUD")
+    yield from window.hover(
+        (panel.x + 2 * panel.width // 3, panel.y + 20)
+    )  # the last field is the offset's Z
+    yield from window.key("RET")
+    yield from window.type("0.25")
+    yield from window.key("RET")
+    yield from window.wait(0.1)
+    assert abs(last().properties.offset[1] - 0.25) < 1e-6
+    assert np.allclose(place(1), (1.5, 0.0, 0.25), atol=0.05), place(1)
+    window.picture("redo_panel")
+
+
 def test_escape_after_typing_and_turning_restores_every_bit(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     yield from window.key("A")

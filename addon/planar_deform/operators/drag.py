@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import binascii
 import contextlib
+import traceback
 
 import bpy
 import numpy as np
@@ -120,6 +121,10 @@ class PinTransform:
         except native.SolveError as error:
             self.report({"ERROR"}, str(error))
             return self._cancel(context)
+        except Exception as error:  # Blender would call again and again; nothing may be left half done
+            traceback.print_exc()
+            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            return self._cancel(context)
 
     def cancel(self, context):
         """Blender ends the operator itself: another file is loaded, the window closes."""
@@ -219,9 +224,8 @@ class PinTransform:
             context.workspace.status_text_set(None)
         if context.window is not None:
             context.window.cursor_modal_restore()
-            for area in context.window.screen.areas:
-                if area.type == "VIEW_3D":
-                    area.header_text_set(None)
+            for area in context.window.screen.areas:  # the view may be another editor by now
+                area.header_text_set(None)
 
 
 def _view_of(context) -> tuple[float, ...]:
