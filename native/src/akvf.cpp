@@ -21,7 +21,7 @@ Points killing_field(const Points& vertices, const Triangles& triangles, const H
   require_stiffness(options.stiffness, triangles);
 
   KillingSolver solver(std::move(mesh), {.hard = options.hard, .dirichlet = options.dirichlet});
-  solver.set_handles(handles, weights);
+  solver.use(solver.compile(handles, weights));
   Points field;
   solver.solve(vertices, options.stiffness, velocities, field);
   return field;

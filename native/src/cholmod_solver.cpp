@@ -90,7 +90,8 @@ class CholmodSolver final : public SparseSolver {
     common_.error_handler = nullptr;
     common_.supernodal = CHOLMOD_SUPERNODAL;
     common_.nmethods = 1;
-    // Larger supernodes than by default, at the price of explicit zeros: a tenth faster on meshes of 1k to 50k vertices.
+    // Larger supernodes than by default, at the price of explicit zeros: a tenth faster on meshes of 1k to
+    // 50k vertices.
     common_.nrelax[0] = 12;
     common_.nrelax[1] = 24;
     common_.nrelax[2] = 48;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "checks.h"
@@ -16,8 +15,7 @@ namespace {
 
 constexpr double one_point =
     1e-6;  // of the box diagonal: handles nearer to each other cannot say how to turn
-constexpr double same_weights = 1e-9;  // barycentric weights of one and the same point
-constexpr int worth_a_thread = 1000;   // vertices
+constexpr int worth_a_thread = 1000;  // vertices
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -40,63 +38,9 @@ KillingSolver::System::System(const Mesh& mesh, std::vector<int> kept, Backend b
 
 KillingSolver::KillingSolver(Mesh mesh, Options options) : mesh_(std::move(mesh)), options_(options) {}
 
-void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& weights,
-                                const std::vector<char>& patch) {
-  require_rows("handles.weights", handles.weights.rows(), handles.size(), "handle");
-  std::vector<Pin> points;
-  for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
-    Pin pin{};
-    pin.strength = weights[row];
-    pin.patch = !patch.empty() && patch[at(row)];
-    pin.rows = {row};
-    std::array<std::pair<int, double>, 3> corner;
-    for (int c = 0; c < 3; ++c) {
-      const int v = handles.vertices(row, c);
-      if (v < 0 || v >= mesh_.n_vertices) {
-        throw std::invalid_argument(row_of("handles", row) + "vertex " + std::to_string(v) +
-                                    " is out of range, the mesh has " + std::to_string(mesh_.n_vertices) +
-                                    " vertices");
-      }
-      corner[at(c)] = {v, handles.weights(row, c)};
-    }
-    if (!(std::abs(handles.weights.row(row).sum() - 1.0) <= same_weights)) {
-      throw std::invalid_argument(row_of("handles", row) + "the weights must sum to 1");
-    }
-    std::sort(corner.begin(), corner.end());
-    for (const auto& [v, weight] : corner) {
-      if (weight == 0.0) continue;
-      if (pin.n_corners > 0 && pin.vertex[pin.n_corners - 1] == v) {
-        pin.weight[pin.n_corners - 1] += weight;
-        continue;
-      }
-      for (std::size_t c = 0; c < pin.n_corners; ++c) {
-        if (!mesh_.has_edge(pin.vertex[c], v)) {
-          throw std::invalid_argument(row_of("handles", row) + "its vertices are not those of one triangle");
-        }
-      }
-      pin.vertex[pin.n_corners] = v;
-      pin.weight[pin.n_corners++] = weight;
-    }
-    pin.part = mesh_.part[at(pin.vertex[0])];
-    points.push_back(std::move(pin));
-  }
-  const auto where = [](const Pin& pin) {
-    return std::tie(pin.n_corners, pin.vertex, pin.weight, pin.rows[0]);
-  };
-  std::sort(points.begin(), points.end(), [&](const Pin& a, const Pin& b) { return where(a) < where(b); });
-  std::vector<Pin> pins;
-  for (Pin& point : points) {
-    if (!pins.empty() && pins.back().n_corners == point.n_corners && pins.back().vertex == point.vertex &&
-        std::equal(point.weight.begin(), point.weight.end(), pins.back().weight.begin(),
-                   [](double a, double b) { return std::abs(a - b) <= same_weights; })) {
-      pins.back().rows.push_back(point.rows[0]);
-      pins.back().strength = std::max(pins.back().strength, point.strength);
-      pins.back().patch = pins.back().patch || point.patch;
-    } else {
-      pins.push_back(std::move(point));
-    }
-  }
-
+std::vector<Pin> KillingSolver::compile(const Handles& handles, const Eigen::VectorXd& weights,
+                                        const std::vector<char>& patch) {
+  std::vector<Pin> pins = make_pins(mesh_, handles, weights, patch);
   std::vector<int> used, inside;
   for (int v = 0; v < mesh_.n_vertices; ++v) {
     if (mesh_.part[at(v)] >= 0) used.push_back(v);
@@ -106,8 +50,7 @@ void KillingSolver::set_handles(const Handles& handles, const Eigen::VectorXd& w
   const bool correct = options_.dirichlet && std::any_of(pins.begin(), pins.end(),
                                                          [this](const Pin& pin) { return is_smoothed(pin); });
   if (!inside_ && correct) inside_.emplace(mesh_, std::move(inside), options_.backend);
-  force_.resize(pins.size());
-  pins_ = std::move(pins);
+  return pins;
 }
 
 bool KillingSolver::is_smoothed(const Pin& pin) const {
@@ -121,7 +64,6 @@ void KillingSolver::fit_rigid_fields(const Points& x, const Points& velocities) 
   bent_.assign(at(mesh_.n_parts), 0);
   std::vector<double> total(at(mesh_.n_parts)), spread(at(mesh_.n_parts)), inertia(at(mesh_.n_parts));
   for (Pin& pin : pins_) {
-    if (pin.part < 0) continue;
     pin.position.setZero();
     for (std::size_t c = 0; c < pin.n_corners; ++c) pin.position += pin.weight[c] * x.row(pin.vertex[c]);
     pin.velocity.setZero();
@@ -137,7 +79,6 @@ void KillingSolver::fit_rigid_fields(const Points& x, const Points& velocities) 
     rigid_[part].mean /= total[part];
   }
   for (const Pin& pin : pins_) {
-    if (pin.part < 0) continue;
     const Eigen::RowVector2d arm = pin.position - rigid_[at(pin.part)].centre;
     const Eigen::RowVector2d velocity = pin.velocity - rigid_[at(pin.part)].mean;
     const double weight = options_.hard ? 1.0 : pin.strength;
@@ -151,7 +92,7 @@ void KillingSolver::fit_rigid_fields(const Points& x, const Points& velocities) 
     rigid_[part].rate = bent_[part] ? rigid_[part].rate / inertia[part] : 0.0;
   }
   for (Pin& pin : pins_) {
-    if (pin.part >= 0) pin.velocity -= rigid_[at(pin.part)].at(pin.position);
+    pin.velocity -= rigid_[at(pin.part)].at(pin.position);
   }
 }
 
@@ -162,7 +103,7 @@ void KillingSolver::solve(const Points& x, const Eigen::VectorXd& stiffness, con
   fit_rigid_fields(x, velocities);
   const bool any_bent = std::any_of(bent_.begin(), bent_.end(), [](char bent) { return bent != 0; });
   const bool correct = options_.dirichlet && std::any_of(pins_.begin(), pins_.end(), [this](const Pin& pin) {
-                         return pin.part >= 0 && bent_[at(pin.part)] && is_smoothed(pin);
+                         return bent_[at(pin.part)] && is_smoothed(pin);
                        });
   if (any_bent) {
     const auto factor_inside = [this, &x, &stiffness] {
@@ -215,7 +156,7 @@ void KillingSolver::solve_soft() {
   Eigen::VectorXd& unknown = all_->unknown;
   unknown.setZero();
   for (const Pin& pin : pins_) {
-    if (pin.part < 0 || !bent_[at(pin.part)]) continue;
+    if (!bent_[at(pin.part)]) continue;
     for (std::size_t a = 0; a < pin.n_corners; ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
         all_->killing.add(pin.vertex[a], pin.vertex[b], pin.strength * pin.weight[a] * pin.weight[b]);
@@ -226,13 +167,13 @@ void KillingSolver::solve_soft() {
   }
   all_->solver->factorize(all_->killing.matrix());
   all_->solver->solve(unknown, unknown);
-  for (std::size_t i = 0; i < pins_.size(); ++i) {
-    const Pin& pin = pins_[i];
+  for (Pin& pin : pins_) {
+    if (!bent_[at(pin.part)]) continue;
     Eigen::RowVector2d reached = Eigen::RowVector2d::Zero();
-    for (std::size_t c = 0; c < pin.n_corners && pin.part >= 0; ++c) {
+    for (std::size_t c = 0; c < pin.n_corners; ++c) {
       reached += pin.weight[c] * unknown.segment<2>(2 * all_->killing.place(pin.vertex[c])).transpose();
     }
-    force_[i] = pin.strength * (pin.velocity - reached);
+    pin.force = pin.strength * (pin.velocity - reached);
   }
 }
 
@@ -240,11 +181,10 @@ void KillingSolver::solve_soft() {
 // Cᵀu for some multipliers μ, hence U is in the span of Z. The same pattern as (7), and exact. The pull of
 // the handles is K U = Cᵀ(m - u).
 void KillingSolver::solve_hard() {
-  std::vector<std::size_t> active;
-  for (std::size_t i = 0; i < pins_.size(); ++i) {
-    const Pin& pin = pins_[i];
-    if (pin.part < 0 || !bent_[at(pin.part)]) continue;
-    active.push_back(i);
+  std::vector<Pin*> active;
+  for (Pin& pin : pins_) {
+    if (!bent_[at(pin.part)]) continue;
+    active.push_back(&pin);
     for (std::size_t a = 0; a < pin.n_corners; ++a) {
       for (std::size_t b = 0; b <= a; ++b)
         all_->killing.add(pin.vertex[a], pin.vertex[b], pin.weight[a] * pin.weight[b]);
@@ -257,7 +197,7 @@ void KillingSolver::solve_hard() {
   Eigen::MatrixXd schur(n_constraints, n_constraints);
   Eigen::VectorXd wanted(n_constraints), column(all_->unknown.size());
   for (Eigen::Index k = 0; k < n_constraints; ++k) {
-    const Pin& pin = pins_[active[static_cast<std::size_t>(k / 2)]];
+    const Pin& pin = *active[static_cast<std::size_t>(k / 2)];
     column.setZero();
     for (std::size_t c = 0; c < pin.n_corners; ++c)
       column[2 * all_->killing.place(pin.vertex[c]) + k % 2] = pin.weight[c];
@@ -266,7 +206,7 @@ void KillingSolver::solve_hard() {
     wanted[k] = pin.velocity[k % 2];
   }
   for (Eigen::Index k = 0; k < n_constraints; ++k) {
-    const Pin& pin = pins_[active[static_cast<std::size_t>(k / 2)]];
+    const Pin& pin = *active[static_cast<std::size_t>(k / 2)];
     schur.row(k).setZero();
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
       schur.row(k) += pin.weight[c] * z.row(2 * all_->killing.place(pin.vertex[c]) + k % 2);
@@ -280,7 +220,7 @@ void KillingSolver::solve_hard() {
   const Eigen::VectorXd multiplier = dense.solve(wanted);
   all_->unknown = z * multiplier;
   for (Eigen::Index k = 0; k < n_constraints; ++k) {
-    force_[active[static_cast<std::size_t>(k / 2)]][k % 2] = multiplier[k] - wanted[k];
+    active[static_cast<std::size_t>(k / 2)]->force[k % 2] = multiplier[k] - wanted[k];
   }
 }
 
@@ -290,12 +230,11 @@ void KillingSolver::solve_hard() {
 void KillingSolver::correct_interior() {
   Eigen::VectorXd& unknown = inside_->unknown;
   unknown.setZero();
-  for (std::size_t i = 0; i < pins_.size(); ++i) {
-    const Pin& pin = pins_[i];
-    if (pin.part < 0 || !bent_[at(pin.part)] || pin.patch) continue;
+  for (const Pin& pin : pins_) {
+    if (!bent_[at(pin.part)] || pin.patch) continue;
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
       const int place = inside_->killing.place(pin.vertex[c]);
-      if (place >= 0) unknown.segment<2>(2 * place) -= pin.weight[c] * force_[i].transpose();
+      if (place >= 0) unknown.segment<2>(2 * place) -= pin.weight[c] * pin.force.transpose();
     }
   }
   inside_->solver->solve(unknown, unknown);

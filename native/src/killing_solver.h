@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "killing_energy.h"
 #include "mesh.h"
+#include "pin.h"
 #include "planar/handle.h"
 #include "sparse_solver.h"
 #include "worker.h"
@@ -26,6 +27,8 @@ class KillingSolver {
 
   KillingSolver(Mesh mesh, Options options);
 
+  /// Prepares handles; they come into force with use(), which cannot fail.
+  ///
   /// \param weights k: λ² of each handle
   ///
   /// \param patch k flags, or empty: handles that (8) is not to smooth away. Smoothing is for handles that
@@ -33,29 +36,19 @@ class KillingSolver {
   /// that lies inside.
   ///
   /// \throw std::invalid_argument a handle is not inside a triangle, edge or vertex of the mesh
-  void set_handles(const Handles& handles, const Eigen::VectorXd& weights,
-                   const std::vector<char>& patch = {});
+  std::vector<Pin> compile(const Handles& handles, const Eigen::VectorXd& weights,
+                           const std::vector<char>& patch = {});
+  void use(std::vector<Pin> pins) noexcept { pins_ = std::move(pins); }
 
   /// The field (n×2) of the mesh at x (n×2) with `stiffness` (m, or empty: all 1) for handle velocities
-  /// (k×2), all finite. See killing_field. 	hrow SolveError
+  /// (k×2), all finite. See killing_field.
+  ///
+  /// \throw SolveError
   void solve(const Points& x, const Eigen::VectorXd& stiffness, const Points& velocities, Points& field);
 
   const Mesh& mesh() const { return mesh_; }
 
  private:
-  /// A point of the mesh and the rows of handles that lie on it.
-  struct Pin {
-    std::array<int, 3> vertex;     ///< those that carry weight, ascending
-    std::array<double, 3> weight;  ///< barycentric
-    std::size_t n_corners;
-    double strength;  ///< λ²
-    int part;
-    bool patch;
-    std::vector<int> rows;
-    Eigen::RowVector2d position,
-        velocity;  ///< of the current solve; velocity relative to the part's rigid field
-  };
-
   /// The rigid field mean + rate·R90·(p - centre) nearest to a part's pin velocities.
   struct RigidField {
     Eigen::RowVector2d centre, mean;
@@ -82,11 +75,10 @@ class KillingSolver {
   Mesh mesh_;
   Options options_;
   std::vector<Pin> pins_;
-  std::vector<RigidField> rigid_;          ///< per part
-  std::vector<char> bent_;                 ///< per part: its pins ask for more than a rigid field can give
-  std::optional<System> all_;              ///< of (7)
-  std::optional<System> inside_;           ///< of (8), the interior vertices
-  std::vector<Eigen::RowVector2d> force_;  ///< per pin: what it pulls with in the solution of (7)
+  std::vector<RigidField> rigid_;  ///< per part
+  std::vector<char> bent_;         ///< per part: its pins ask for more than a rigid field can give
+  std::optional<System> all_;      ///< of (7)
+  std::optional<System> inside_;   ///< of (8), the interior vertices
   Worker worker_;
 };
 

@@ -2,6 +2,7 @@
 #include "orientation.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace planar {
 
@@ -22,8 +23,15 @@ double doubled_area(const Points& x, const int* corner) {
 Orientation::Orientation(const Points& rest, const Triangles& triangles)
     : triangles_(triangles), sign_(static_cast<std::size_t>(triangles.rows())) {
   for (std::size_t t = 0; t < sign_.size(); ++t) {
-    const double area = doubled_area(rest, triangles_.data() + 3 * t);
-    sign_[t] = static_cast<double>((area > 0.0) - (area < 0.0));
+    const int* corner = triangles_.data() + 3 * t;
+    const double area = doubled_area(rest, corner);
+    double coordinate = 0.0, side = 0.0;
+    for (int c = 0; c < 3; ++c) {
+      coordinate = std::max(coordinate, rest.row(corner[c]).cwiseAbs().maxCoeff());
+      side = std::max(side, (rest.row(corner[c]) - rest.row(corner[(c + 1) % 3])).norm());
+    }
+    const double rounding = 4.0 * std::numeric_limits<float>::epsilon() * coordinate * side;
+    sign_[t] = static_cast<double>((area > rounding) - (area < -rounding));
   }
 }
 

@@ -10,7 +10,8 @@ namespace planar {
 /// Which way round triangles lie, judged on positions rounded to float32, which is what Blender stores.
 class Orientation {
  public:
-  /// Takes the orientation of `rest` as the right one. Triangles without area there are not judged.
+  /// Takes the orientation of `rest` as the right one. Triangles there that are flat, or thinner than what
+  /// float32 makes of their coordinates, are not judged.
   Orientation(const Points& rest, const Triangles& triangles);
 
   /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.

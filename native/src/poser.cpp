@@ -146,7 +146,7 @@ void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorX
       patch[static_cast<std::size_t>(row)] = 1;
     }
   }
-  state_->solver.set_handles(handles, strength, patch);
+  std::vector<Pin> compiled = state_->solver.compile(handles, strength, patch);
 
   for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
     parts[state_->solver.mesh().part[static_cast<std::size_t>(handles.vertices(row, 0))]].push_back(row);
@@ -155,6 +155,7 @@ void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorX
   together.reserve(parts.size() + pins.size());
   for (auto& [part, rows] : parts) together.push_back({std::move(rows), false});
   for (auto& [label, rows] : pins) together.push_back({std::move(rows), true});
+  state_->solver.use(std::move(compiled));
   state_->together = std::move(together);
   state_->handles = std::move(handles);
   state_->targets.reset();

@@ -155,7 +155,7 @@ class EveryBackend : public ::testing::TestWithParam<Backend> {
                       const KillingOptions& options) {
     KillingSolver solver(Mesh(shape.vertices.rows(), shape.triangles),
                          {.hard = options.hard, .dirichlet = options.dirichlet, .backend = GetParam()});
-    solver.set_handles(handles, Eigen::VectorXd::Constant(handles.size(), options.pin_weight));
+    solver.use(solver.compile(handles, Eigen::VectorXd::Constant(handles.size(), options.pin_weight)));
     Points result;
     solver.solve(shape.vertices, options.stiffness, velocities, result);
     return result;
@@ -230,7 +230,7 @@ TEST_P(EveryBackend, NewHandlesAndPositionsGiveWhatANewSolverGives) {
     Shape bent = shape;
     bent.vertices += 0.01 * random_points(100, static_cast<unsigned>(handles.size()));
     const Points velocities = random_points(handles.size(), 2);
-    solver.set_handles(handles, Eigen::VectorXd::Ones(handles.size()));
+    solver.use(solver.compile(handles, Eigen::VectorXd::Ones(handles.size())));
     solver.solve(bent.vertices, {}, velocities, kept);
     EXPECT_EQ(kept, field(bent, handles, velocities, {}));
   }
@@ -266,7 +266,7 @@ TEST(KillingField, PatchesKeepTheirPullThrough8) {
   const Points velocities = random_points(5, 3);
   Points u;
   KillingSolver solver(Mesh(81, shape.triangles), {});
-  solver.set_handles(handles, Eigen::VectorXd::Ones(5), {0, 0, 1, 1, 1});
+  solver.use(solver.compile(handles, Eigen::VectorXd::Ones(5), {0, 0, 1, 1, 1}));
   solver.solve(shape.vertices, {}, velocities, u);
   EXPECT_EQ(u, killing_field(shape.vertices, shape.triangles, handles, velocities, {.dirichlet = false}));
 }

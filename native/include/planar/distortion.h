@@ -17,7 +17,8 @@ struct Distortion {
 };
 
 /// Distortion from `rest` (n×2) to `posed` (n×2). Flips are judged on positions rounded to float32, which is
-/// what Blender stores. Triangles of no area at rest have no Jacobian: they count as undistorted (2) and not
+/// what Blender stores. Triangles at rest thinner than that
+/// rounding are not judged; those of no area at rest have no Jacobian: they count as undistorted (2) and not
 /// flipped.
 ///
 /// \throw std::invalid_argument mismatched, non-finite or out-of-range input
