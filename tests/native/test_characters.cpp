@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <sstream>
 
 #include "planar/distortion.h"
@@ -44,17 +45,24 @@ Shape read_obj(const std::filesystem::path& path) {
           Eigen::Map<Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3)};
 }
 
-/// The number lists of the file, in order: src and dst of each pose.
+/// The point lists under the keys "src" and "dst", in the order of the file: those of pose 0, of pose 1, ...
 std::vector<Points> read_poses(const std::filesystem::path& path) {
   const std::string text = contents(path);
-  static const std::regex list(R"raw("(?:src|dst)"\s*:\s*\[([^a-z"]*))raw"),
-      number(R"(-?\d+\.?\d*(?:[eE][-+]?\d+)?)");
   std::vector<Points> result;
-  for (std::sregex_iterator found(text.begin(), text.end(), list), none; found != none; ++found) {
-    const std::string body = (*found)[1];
+  std::size_t here = 0;
+  const auto next_key = [&text](std::size_t from) {
+    return std::min(text.find("\"src\"", from), text.find("\"dst\"", from));
+  };
+  while ((here = next_key(here)) != std::string::npos) {
+    here = text.find('[', here);
+    const std::size_t end = std::min(text.find('"', here), text.size());
     std::vector<double> values;
-    for (std::sregex_iterator n(body.begin(), body.end(), number); n != none; ++n)
-      values.push_back(std::stod(n->str()));
+    for (; here < end; ++here) {
+      if (std::string("-0123456789").find(text[here]) == std::string::npos) continue;
+      char* after = nullptr;
+      values.push_back(std::strtod(&text[here], &after));
+      here = static_cast<std::size_t>(after - text.data());
+    }
     result.emplace_back(Eigen::Map<Points>(values.data(), static_cast<Eigen::Index>(values.size() / 2), 2));
   }
   return result;
