@@ -33,6 +33,7 @@ def sheet(
 
 
 def activate(obj: bpy.types.Object) -> None:
+    bpy.context.view_layer.update()  # it knows a new object from then on
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
     bpy.context.view_layer.objects.active = obj

@@ -145,6 +145,21 @@ def test_another_editor_in_place_of_the_view_during_a_drag(window: Window) -> It
     yield from window.wait(0.2)
 
 
+def test_the_add_on_turned_off_and_on_while_its_tool_is_active(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    (name,) = [name for name in bpy.context.preferences.addons.keys() if "planar" in name]  # noqa: SIM118
+    before = shape()
+    bpy.ops.preferences.addon_disable(module=name)
+    yield from window.wait(0.2)
+    assert not hasattr(bpy.types.Object, "planar")
+    yield from window.click(window.pixel(RIGHT))
+    yield from window.wait(0.2)
+    bpy.ops.preferences.addon_enable(module=name)
+    yield from window.use_tool()
+    yield from window.drag(window.pixel(RIGHT), window.pixel((1.5, 0.0, 0.6)))
+    assert moved(before, shape()) > 0.3
+
+
 def test_a_drag_makes_a_pose_key_and_escape_takes_it_away(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     active().shape_key_add(name="Basis")

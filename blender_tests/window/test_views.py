@@ -72,6 +72,26 @@ def test_a_turned_stretched_object(window: Window) -> Iterator[None]:
     assert np.abs(shape()[:, 1]).max() < 1e-6, "written back through the object's own transform"
 
 
+def test_a_layer_behind_the_first_in_perspective(window: Window) -> Iterator[None]:
+    back = sheet("Back", columns=8, rows=4, at=(0.0, 3.0, 1.5))
+    front = sheet("Front", columns=8, rows=4)
+    back.select_set(True)
+    with window.context():
+        bpy.ops.object.join("EXEC_DEFAULT", True)
+    pin((-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (-0.5, 3.0, 1.5), (0.5, 3.0, 1.5))
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.look(distance=5.0)
+    window.view.view_perspective = "PERSP"
+    yield from window.use_tool()
+    start = window.pixel((0.5, 3.0, 1.5))
+    end = (start[0] + 30, start[1] - 50)
+    yield from window.drag(start, end)
+    assert selected() == [3]
+    assert off(window, 3, end) < 3.0, "the mouse moves in the plane of the pressed pin's layer"
+    assert np.allclose(place(1), (0.5, 0.0, 0.0), atol=1e-3)
+    assert active() == front
+
+
 def test_an_edge_on_view_is_refused(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, (0.0, 0.0, 0.7))
     yield from window.look("RIGHT")

@@ -161,7 +161,9 @@ class PinTransform:
 
     def _dragged(self, context, event):
         """Whether a pressed pin is being dragged by now and not just clicked; starts the drag then."""
-        far = context.preferences.inputs.drag_threshold_mouse * context.preferences.system.ui_scale
+        inputs = context.preferences.inputs
+        far = inputs.drag_threshold_tablet if event.is_tablet else inputs.drag_threshold_mouse
+        far *= context.preferences.system.ui_scale
         x, y = self._press
         if event.type != "MOUSEMOVE" or max(abs(event.mouse_x - x), abs(event.mouse_y - y)) < far:
             return False
