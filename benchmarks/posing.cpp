@@ -8,6 +8,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "killing_energy.h"
@@ -144,8 +145,8 @@ void move(benchmark::State& state) {
     substeps = std::max(substeps, poser.report().substeps);
     state.SetIterationTime(moves.back() / 1e3);
   }
-  state.counters["median"] = median(moves);
-  state.counters["bare"] = median(factors);
+  state.counters["move_ms"] = median(moves);
+  state.counters["bare_ms"] = median(factors);
   state.counters["ratio"] = median(moves) / median(factors);
   state.counters["substeps"] = substeps;
   state.counters["MB"] = resident() - before;
@@ -165,4 +166,13 @@ BENCHMARK(analysis)->Apply(sizes);
 }  // namespace
 }  // namespace planar
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  std::vector<char*> arguments(argv, argv + argc);
+  std::string tabular = "--benchmark_counters_tabular=true";
+  arguments.insert(arguments.begin() + 1, tabular.data());
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
