@@ -7,10 +7,9 @@
 namespace planar {
 
 struct KillingOptions {
-  double pin_weight = 1.0;  ///< λ² of (7), dimensionless, above 0; unused when `hard`
-  bool hard = false;        ///< handles are constraints instead of weights: (7) as λ → ∞
-  bool dirichlet =
-      true;  ///< also solve (8), which keeps the boundary's values and is smooth at interior handles
+  double pin_weight = 1.0;      ///< λ² of (7), dimensionless, above 0; unused when `hard`
+  bool hard = false;            ///< handles are constraints instead of weights: (7) as λ → ∞
+  bool dirichlet = true;        ///< also solve (8): the same boundary, and smooth at handles inside
   Eigen::VectorXd stiffness{};  ///< m factors above 0 on the triangles' energy, or empty: all 1
 };
 
@@ -29,8 +28,10 @@ struct KillingOptions {
 /// mesh that only meet in one vertex are braced there by a thousandth of the stiffness of the missing
 /// triangle, because a free hinge makes (7) singular.
 ///
-/// \throw std::invalid_argument empty, mismatched, non-finite or out-of-range input; handles not inside one
-/// triangle \throw SolveError the system could not be factored
+/// \throw std::invalid_argument empty, mismatched, non-finite or out-of-range input; handles not inside a
+/// triangle
+///
+/// \throw SolveError the system could not be factored
 Points killing_field(const Points& vertices, const Triangles& triangles, const Handles& handles,
                      const Points& velocities, const KillingOptions& options = {});
 

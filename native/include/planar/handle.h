@@ -17,8 +17,9 @@ struct Handles {
   static Handles at_vertices(const Eigen::VectorXi& vertex, Eigen::Index n_vertices);
 
   /// Handles inside k triangles (k row numbers of `triangles`) at k×3 barycentric weights: not below 0 and
-  /// summing to 1, both within 1e-6 (float32 input); the sum is then made exact. \throw std::invalid_argument
-  /// naming the row at fault
+  /// summing to 1, both within 1e-6 (float32 input); the sum is then made exact.
+  ///
+  /// \throw std::invalid_argument naming the row at fault
   static Handles in_triangles(const Eigen::VectorXi& triangle,
                               const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& barycentric,
                               const Triangles& triangles, Eigen::Index n_vertices);

@@ -10,8 +10,7 @@
 namespace planar {
 
 enum class PoserMethod {
-  akvf  ///< the paper's method: each move follows an as-Killing-as-possible field along logarithmic spirals;
-        ///< path dependent
+  akvf,  ///< as-Killing-as-possible fields along logarithmic spirals; forgets the rest shape
 };
 
 struct PoserOptions {
@@ -22,12 +21,11 @@ struct PoserOptions {
 
 /// What the last move() or settle() did.
 struct Report {
-  int iterations = 0;  ///< steps towards the targets: 1 in move(), as many as it took in settle()
-  int substeps = 0;    ///< pieces these steps were cut into; each is one field and one advance
-  double furthest_handle =
-      0.0;          ///< largest distance of a handle from its target, in the unit of the positions
-  int flipped = 0;  ///< triangles that are inverted relative to the rest shape, judged as in `distortion`
-  bool converged = true;  ///< furthest_handle is at most 1e-3 of the rest's box diagonal
+  int iterations = 0;            ///< steps towards the targets: 1 in move(), as many as it took in settle()
+  int substeps = 0;              ///< pieces these steps were cut into; each is one field and one advance
+  double furthest_handle = 0.0;  ///< largest distance of a handle from its target, in the positions' unit
+  int flipped = 0;               ///< triangles inverted relative to the rest shape, judged as in `distortion`
+  bool converged = true;         ///< furthest_handle is at most 1e-3 of the rest's box diagonal
 };
 
 /// Poses a mesh by dragging handles: registered with the rest shape, compiled with the handles, moved with
@@ -41,19 +39,17 @@ struct Report {
 ///
 /// The mesh's topology is analysed once; changing handles costs no new analysis.
 ///
-/// Method akvf is the step of Solomon et al. 2011 (killing_field, then advance_along_spirals) from where the
-/// handles are to their targets, so that errors do not add up. Departures, none of which changes a step of
-/// point handles while every triangle is near its rest shape:
+/// Method akvf is the step of Solomon et al. 2011, killing_field then advance_along_spirals, from where the
+/// handles are to their targets, so that errors do not add up. Departures:
 ///
-///  - the targets of a patch, or of all handles of a part, that turn as a whole are approached by turning
-///  (differences would shrink);
+/// 1. A patch, or all handles of a part, whose targets are a turn of where they are get the velocities of
+/// that turn; the differences would shrink what is turned.
 ///
-///  - (8) smooths point handles only, as it would lose the turn of a patch that lies inside;
+/// 2. (8) smooths point handles only, as it would lose the turn of a patch that lies inside.
 ///
-///  - triangles squeezed to less than about 0.38 of their rest width are stiffened, and where (16) would take
-///  30 % of a triangle's area
-///    in a substep, its vertices share the mean of their factors φ. The paper's step inverts triangles on
-///    most large poses.
+/// 3. Triangles squeezed to less than about 0.38 of their rest width are stiffened, and where (16) would take
+/// 30 % of a triangle's area in a substep, its vertices share the mean of their factors φ. The paper's step
+/// inverts triangles on most large poses.
 class Poser {
  public:
   /// λ² of a pin when PoserOptions::pin_weight is empty. On twelve published poses of drawn characters, 40
