@@ -29,6 +29,21 @@ def test_a_pin_lights_up_under_the_mouse(window: Window) -> Iterator[None]:
     assert white(window, right) > 20
 
 
+def test_a_pin_grows_with_the_interface(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    view = bpy.context.preferences.view
+    for scale, lit in ((1.0, False), (2.0, True)):
+        view.ui_scale = scale
+        try:
+            yield from window.wait(0.3)
+            x, y = window.pixel(LEFT)
+            yield from window.hover((x, y + 18))  # beyond the reach of 12 pixels, within that of 24
+            assert (white(window, (x, y)) > 20) == lit, f"at a scale of {scale}"
+        finally:
+            view.ui_scale = 1.0
+    yield from window.wait(0.3)
+
+
 def test_clicks_select(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT, TOP)
     before = shape()

@@ -29,6 +29,13 @@ def key_points(name: str) -> np.ndarray:
     return coordinates.reshape(-1, 3)
 
 
+def rest_shape() -> np.ndarray:
+    data = active().data.attributes["planar_rest"].data
+    coordinates = np.empty(len(data) * 3, np.float32)
+    data.foreach_get("vector", coordinates)
+    return coordinates
+
+
 def test_other_tools_leave_pins_alone(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     before = shape()
@@ -71,7 +78,12 @@ def test_an_edit_of_the_mesh_between_two_drags(window: Window) -> Iterator[None]
         bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="OBJECT")
     yield from window.wait(0.1)
     assert len(active().data.vertices) > count
-    edited = shape()
+    edited, rest = shape(), rest_shape()
+    yield from begin_drag(window)
+    yield from window.key("ESC")
+    yield from window.release()
+    assert np.array_equal(shape(), edited)
+    assert np.array_equal(rest_shape(), rest), "the rest of the new vertices is not touched either"
     yield from window.drag(window.pixel(place(1)), window.pixel((1.0, 0.0, 0.9)))
     assert np.allclose(place(1), (1.0, 0.0, 0.9), atol=0.1), place(1)
     yield from window.undo()
