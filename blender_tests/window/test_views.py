@@ -92,6 +92,28 @@ def test_a_layer_behind_the_first_in_perspective(window: Window) -> Iterator[Non
     assert active() == front
 
 
+def test_a_mouse_beyond_the_horizon_moves_nothing(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    window.view.view_rotation = Euler((0.26, 0.0, 0.0)).to_quaternion()  # 15 degrees to the plane
+    window.view.view_perspective, window.area.spaces.active.lens = "PERSP", 18.0
+    yield from window.wait(0.1)
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    region = window.region()
+    x, y = window.mouse
+    yield from window.move((x + 10, y + 10), steps=2)
+    before = shape()
+    horizon = 0
+    for end in (region.y + 5, region.y + region.height - 40):
+        yield from window.move((x + 10, end))
+        horizon += np.array_equal(shape(), before)
+        yield from window.move((x + 10, y + 10))
+        before = shape()
+    yield from window.key("ESC")
+    yield from window.release()
+    assert horizon == 1, "one end of the screen is beyond the horizon, and only one"
+
+
 def test_an_edge_on_view_is_refused(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, (0.0, 0.0, 0.7))
     yield from window.look("RIGHT")

@@ -71,7 +71,7 @@ class PinTransform:
             try:
                 action.run(self.edited(unpack_path(self.path)))
                 action.keep()
-            except (Refusal, native.SolveError):
+            except Exception:
                 action.cancel()
                 raise
         except (Refusal, native.SolveError) as error:

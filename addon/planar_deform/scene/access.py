@@ -142,11 +142,13 @@ class SceneCutout:
         return self.frame.flatten(points - self._origin)
 
     def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
-        """Where a world ray meets the plane of a part (2,); None in an edge-on view (within 5 degrees)."""
+        """Where a world ray meets the plane of a part (2,); None edge-on (within 5 degrees) or behind it."""
         slope = float(direction @ self.frame.n)
         if abs(slope) < EDGE_ON * float(np.linalg.norm(direction)):
             return None
         distance = (self._depths[part] - float((origin - self._origin) @ self.frame.n)) / slope
+        if distance < 0.0:
+            return None
         return self.from_world((origin + distance * direction)[None, :])[0]
 
     def pick(self, origin: Array, direction: Array) -> MeshPoint | None:
@@ -156,7 +158,7 @@ class SceneCutout:
         for part in np.argsort((self._depths - float((origin - self._origin) @ self.frame.n)) * slope):
             place = self.plane_from_ray(origin, direction, int(part))
             if place is None:
-                return None
+                continue
             among = np.flatnonzero(part_of == part).astype(np.int32)
             found = nearest_point(self.positions, self.cutout.triangles, place, among)
             if found is not None and found.distance == 0.0:
