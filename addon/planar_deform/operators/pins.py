@@ -10,32 +10,19 @@ from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProper
 from ..scene import pins
 from ..scene.access import Refusal, begin, pose_refusal
 from ..scene.properties import KINDS
+from .posing_operator import PosingOperator
 
 # Farther than this share of the diagonal from the mesh, a place is not on it.
 ON_MESH = 0.01
 
 
-class PinOperator:
-    """Works on a mesh that can be posed; every refusal is a report, and changes nothing."""
+class PinOperator(PosingOperator):
+    """Changes the pins of a mesh that can be posed."""
 
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        reason = pose_refusal(context.object)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
-
-    def execute(self, context):
-        try:
-            scene = begin(context)
-            pins.sync(context.object)
-            self.apply(context.object, scene)
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def apply(self, context):
+        scene = begin(context)
+        pins.sync(context.object)
+        self.change(context.object, scene)
 
 
 class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
@@ -50,7 +37,7 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
         name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
     )
 
-    def apply(self, obj, scene):
+    def change(self, obj, scene):
         point = scene.nearest(np.array(self.location, dtype=np.float64), ON_MESH * scene.cutout.diagonal)
         if point is None:
             raise Refusal("No mesh there: add the pin at a point of the drawing")
@@ -69,7 +56,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def apply(self, obj, scene):
+    def change(self, obj, scene):
         selected = np.empty(len(obj.data.vertices), bool)
         obj.data.vertices.foreach_get("select", selected)
         on_faces = scene.vertex_indices[selected[scene.vertex_indices]].tolist()
@@ -90,7 +77,7 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
     group: StringProperty(name="Vertex Group", description="Group to pin; empty for the active one")
     kind: EnumProperty(name="Kind", description="Kind of the new pin", items=KINDS)
 
-    def apply(self, obj, scene):
+    def change(self, obj, scene):
         group = obj.vertex_groups.get(self.group) if self.group else obj.vertex_groups.active
         if group is None:
             wanted = f"No vertex group '{self.group}'" if self.group else "No active vertex group"
@@ -108,7 +95,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def apply(self, obj, scene):
+    def change(self, obj, scene):
         taken = {pin.group for pin in obj.planar.pins}
         new = [group for group in obj.vertex_groups if group.name not in taken]
         if not new:
