@@ -87,7 +87,7 @@ def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
     scene = begin(bpy.context)
     moving = {i for i, pin in enumerate(obj.planar.pins) if pin.select} if moving is None else set(moving)
     poser = solver_cache.poser_for(
-        scene.session_uid, scene.cutout, obj.planar.method.lower(), obj.planar.pin_weight, scene.positions
+        scene.session_uid, scene.cutout, obj.planar.method.lower(), scene.positions
     )
     action = PoseAction(scene.cutout, scene.positions, pins.model_pins(obj, scene), moving, poser)
     for step in range(1, 9):

@@ -18,11 +18,32 @@ class Cutout:
     triangles: Indices  # m x 3, counter-clockwise in rest
     parts: Indices  # n, the connected part of each vertex, counted from 0
     diagonal: float  # of the rest shape's bounding box
+    stiffness: Array | None = None  # m factors, None: all 1
 
 
-def make_cutout(rest: Array, triangles: Indices, parts: Indices) -> Cutout:
-    """A cutout of n x 2 rest positions; clockwise triangles are turned (for the solve only)."""
-    return Cutout(rest, oriented(rest, triangles), parts, diagonal_of(rest))
+# How many times as much as a neutral triangle a fully painted one resists; one painted away, as many times less.
+STIFFEST = 100.0
+NEUTRAL = 0.5  # the painted weight that changes nothing
+
+
+def make_cutout(rest: Array, triangles: Indices, parts: Indices, painted: Array | None = None) -> Cutout:
+    """A cutout of n x 2 rest positions; clockwise triangles are turned (for the solve only).
+
+    `painted` (n,) are the vertices' weights of stiffness, 0 to 1, None where nothing is painted.
+    """
+    stiffness = None if painted is None else stiffness_of(painted, triangles)
+    return Cutout(rest, oriented(rest, triangles), parts, diagonal_of(rest), stiffness)
+
+
+def stiffness_of(painted: Array, triangles: Indices) -> Array:
+    """The factor (m,) of each triangle's stiffness, 1/STIFFEST to STIFFEST, from weights (n,) from 0 to 1.
+
+    A triangle takes the mean of its corners, and the factor grows by equal ratios for equal steps of weight:
+    what the brush adds is felt the same everywhere.
+    """
+    mean = painted[triangles].mean(axis=1)
+    factors: Array = STIFFEST ** ((mean - NEUTRAL) / NEUTRAL)
+    return factors
 
 
 def diagonal_of(points: Array) -> float:

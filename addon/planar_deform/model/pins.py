@@ -25,7 +25,7 @@ class Pin:
     vertices: Indices  # cutout vertices of the group whose weight is not 0
     weights: Array  # their weights in the group, all positive
     enabled: bool = True
-    weight: float = 1.0  # how strongly the pin holds, relative to the others
+    weight: float = 1.0  # how strongly the pin holds, relative to what the method does by itself
     angle: float = 0.0  # radians a patch is turned from rest
     target: Array | None = None  # (2,) where the pin was asked to be, None: wherever it is
 

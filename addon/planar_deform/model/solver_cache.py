@@ -18,26 +18,23 @@ CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
 @dataclass
 class _Entry:
     cutout: Cutout
-    options: tuple[native.Method, float]
+    method: native.Method
     poser: native.Poser
 
 
 _entries: OrderedDict[int, _Entry] = OrderedDict()
 
 
-def poser_for(
-    key: int, cutout: Cutout, method: native.Method, pin_weight: float, positions: Array
-) -> native.Poser:
+def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array) -> native.Poser:
     """A solver for the object with this key, standing at n x 2 `positions`.
 
-    A kept one is used only when triangles, rest shape and options are the same to the bit. It is always
-    reset, so that an action gives the same bits whether or not the solver was there before.
+    A kept one is used only when triangles, rest shape, stiffness and method are the same to the bit. It is
+    always reset, so that an action gives the same bits whether or not the solver was there before.
     """
-    options = (method, pin_weight)
     entry = _entries.get(key)
-    if entry is None or entry.options != options or not _same(entry.cutout, cutout):
-        poser = native.Poser(cutout.rest, cutout.triangles, method=method, pin_weight=pin_weight)
-        entry = _entries[key] = _Entry(cutout, options, poser)
+    if entry is None or entry.method != method or not _same(entry.cutout, cutout):
+        poser = native.Poser(cutout.rest, cutout.triangles, method=method, stiffness=cutout.stiffness)
+        entry = _entries[key] = _Entry(cutout, method, poser)
     _entries.move_to_end(key)
     while len(_entries) > CAPACITY:
         _entries.popitem(last=False)
@@ -51,4 +48,9 @@ def clear() -> None:
 
 
 def _same(a: Cutout, b: Cutout) -> bool:
+    if a.stiffness is None or b.stiffness is None:
+        if a.stiffness is not b.stiffness:
+            return False
+    elif not np.array_equal(a.stiffness, b.stiffness):
+        return False
     return np.array_equal(a.triangles, b.triangles) and np.array_equal(a.rest, b.rest)

@@ -41,7 +41,7 @@ class SceneAction:
             raise Refusal(f"There is no pin {pressed}: the object has {len(settings.pins)}")
         pins.sync(obj)
         self._key = obj.session_uid
-        self._options = (settings.method.lower(), settings.pin_weight)
+        self._method = settings.method.lower()
         self._pins = pins.model_pins(obj, self.scene)
         self._selected_before = {index for index, pin in enumerate(settings.pins) if pin.select}
         self._active_before = settings.active_pin
@@ -64,7 +64,7 @@ class SceneAction:
             if not self._moving & usable:
                 raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
             positions, cutout = self.scene.positions, self.scene.cutout
-            poser = solver_cache.poser_for(self._key, cutout, *self._options, positions)
+            poser = solver_cache.poser_for(self._key, cutout, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
             self._pose = PoseAction(cutout, positions, self._pins, self._moving, poser)
         return self._pose

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -81,16 +82,15 @@ def model_pins(obj: bpy.types.Object, scene: SceneCutout) -> list[Pin]:
         inside = rows >= 0
         if not inside.any():
             continue
-        model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, pin.weight, pin.angle)
+        weight = pin.weight * settings.pin_weight
+        model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, weight, pin.angle)
         if pin.has_target:
             reached, target = scene.from_local(np.array([pin.reached, pin.target], dtype=np.float64))
             place = Holder(model, scene.cutout).place(scene.positions)
             # Both were stored in float32, which far from the origin is coarser than the drawing asks for.
             rounding = 2.0**-22 * np.linalg.norm(reached)
             if np.linalg.norm(place - reached) <= SAME_PLACE * scene.cutout.diagonal + rounding:
-                model = Pin(
-                    key, pin.kind, rows[inside], weights[inside], pin.enabled, pin.weight, pin.angle, target
-                )
+                model = replace(model, target=target)
         pins.append(model)
     return pins
 

@@ -75,10 +75,10 @@ class PlanarSettings(bpy.types.PropertyGroup):
     )
     pin_weight: FloatProperty(
         name="Pin Weight",
-        description="How strongly pins hold against the drawing's stiffness",
-        default=1000.0,  # as the native Poser's own
-        min=1e-2,
-        soft_max=1e5,
+        description="How strongly all pins hold, relative to what the method does by itself",
+        default=1.0,
+        min=1e-3,
+        soft_max=10.0,
     )
     show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
 

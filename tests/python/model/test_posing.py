@@ -4,12 +4,14 @@
 import math
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from cutouts import grid_cutout, pin
 
 from planar_deform.model import solver_cache
+from planar_deform.model.cutout import stiffness_of
 from planar_deform.model.posing import RAMP_SAMPLES, PoseAction, carried_path
 
 
@@ -25,7 +27,7 @@ def action(cutout, pins, moving, positions=None, key=1, **options):
         positions,
         pins,
         moving,
-        solver_cache.poser_for(key, cutout, "akvf", 100.0, positions),
+        solver_cache.poser_for(key, cutout, "akvf", positions),
         **options,
     )
 
@@ -110,21 +112,30 @@ def test_nothing_that_can_move_is_an_error():
         action(cutout, [pin([0])], {5})
 
 
-def test_a_solver_is_kept_while_mesh_rest_and_options_are_the_same():
+def test_a_solver_is_kept_while_mesh_rest_and_stiffness_are_the_same():
     cutout = grid_cutout(3, 3)
-    first = solver_cache.poser_for(1, cutout, "akvf", 100.0, cutout.rest)
+    first = solver_cache.poser_for(1, cutout, "akvf", cutout.rest)
     same = grid_cutout(3, 3)
-    assert solver_cache.poser_for(1, same, "akvf", 100.0, same.rest + 1.0) is first
+    assert solver_cache.poser_for(1, same, "akvf", same.rest + 1.0) is first
     assert np.array_equal(first.positions, same.rest + 1.0)
     other = grid_cutout(3, 3)
     other.rest[5] += 1e-9
-    assert solver_cache.poser_for(1, other, "akvf", 100.0, other.rest) is not first
-    second = solver_cache.poser_for(1, same, "akvf", 1.0, same.rest)
-    assert solver_cache.poser_for(2, same, "akvf", 1.0, same.rest) is not second
-    assert solver_cache.poser_for(1, same, "akvf", 1.0, same.rest) is second
+    second = solver_cache.poser_for(1, other, "akvf", other.rest)
+    assert second is not first
+    painted = np.full(len(other.rest), 0.5)
+    stiff = replace(other, stiffness=stiffness_of(painted, other.triangles))
+    third = solver_cache.poser_for(1, stiff, "akvf", other.rest)
+    assert third is not second
+    painted[0] = 0.75
+    stiffer = replace(other, stiffness=stiffness_of(painted, other.triangles))
+    fourth = solver_cache.poser_for(1, stiffer, "akvf", other.rest)
+    assert fourth is not third
+    same = replace(stiffer, stiffness=stiffer.stiffness.copy())
+    assert solver_cache.poser_for(1, same, "akvf", other.rest) is fourth
+    assert solver_cache.poser_for(2, same, "akvf", other.rest) is not fourth
     for key in range(10, 10 + solver_cache.CAPACITY):
-        solver_cache.poser_for(key, cutout, "akvf", 100.0, cutout.rest)
-    assert solver_cache.poser_for(1, same, "akvf", 1.0, same.rest) is not second
+        solver_cache.poser_for(key, cutout, "akvf", cutout.rest)
+    assert solver_cache.poser_for(1, same, "akvf", other.rest) is not fourth
 
 
 PATH = [(0.25, 0.0, 0.0), (0.5, 0.25, 0.0), (0.5, 0.75, 0.0)]
