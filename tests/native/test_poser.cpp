@@ -113,6 +113,19 @@ TEST_F(Bar, ImpossibleTargetsAreReportedAsSuch) {
               (handles.positions(poser.positions()) - targets).rowwise().norm().maxCoeff(), rounding);
 }
 
+TEST_F(Bar, RefiningMovesNoVertexFar) {
+  EXPECT_EQ(poser.refine(), shape.vertices) << "without targets";
+  Points targets = rest;
+  targets.row(2) += Eigen::RowVector2d(-2.0, 2.0);
+  poser.move(targets);
+  for (int i = 0; i < 100 && !poser.report().converged; ++i) {
+    const Points before = poser.positions();
+    poser.refine();
+    EXPECT_LE((poser.positions() - before).rowwise().norm().maxCoeff(), 0.02 * std::sqrt(17.0));
+  }
+  EXPECT_TRUE(poser.report().converged);
+}
+
 TEST_F(Bar, WildTargetsStayFinite) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     poser.reset();

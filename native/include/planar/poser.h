@@ -10,6 +10,7 @@
 namespace planar {
 
 enum class PoserMethod {
+  hold,  ///< the pose of least distortion of the rest shape
   akvf,  ///< as-Killing-as-possible fields along logarithmic spirals; forgets the rest shape
 };
 
@@ -60,7 +61,7 @@ class Poser {
   /// \param rest n×2 rest shape, the reference of flips and tolerances, and the first positions
   /// \param triangles m×3
   /// \throw std::invalid_argument empty, mismatched, non-finite or out-of-range input
-  explicit Poser(Points rest, Triangles triangles, PoserOptions options = {});
+  explicit Poser(Points rest, const Triangles& triangles, const PoserOptions& options = {});
   Poser(Poser&&) noexcept;
   Poser& operator=(Poser&&) noexcept;
   ~Poser();
@@ -92,6 +93,13 @@ class Poser {
   ///
   /// \throw SolveError as move
   const Points& settle();
+
+  /// One bounded piece of work towards the last targets, about as much as a move, in which no vertex moves by
+  /// more than 2 % of the rest's box diagonal; report().converged says when nothing is left to do. Without
+  /// targets: nothing.
+  ///
+  /// \throw SolveError as move
+  const Points& refine();
 
   /// Back to the rest shape. Handles stay, targets are forgotten.
   void reset();

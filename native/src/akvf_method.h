@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "handle_motion.h"
+#include "killing_solver.h"
+#include "orientation.h"
+#include "posing_method.h"
+#include "spirals.h"
+#include "triangle_guard.h"
+
+namespace planar {
+
+/// PoserMethod::akvf: fields along logarithmic spirals, see planar/poser.h.
+class AkvfMethod final : public PosingMethod {
+ public:
+  /// \param stiffness m factors, or empty
+  AkvfMethod(const Points& rest, Triangles triangles, const Eigen::VectorXd& stiffness);
+
+  void set_handles(const HandleSet& handles) override;
+  void move(const Points& targets, Points& x, Report& report) override;
+  void refine(const Points& targets, Points& x, Report& report) override;
+  void settle(const Points& targets, Points& x, Report& report) override;
+  void reset() noexcept override {}
+
+ private:
+  void step(const Points& targets, Points& x, Report& report);
+  bool substep(const Points& targets, Points& x, double limit, Report& report);
+  bool advance(double t);
+  double furthest(const Points& x, const Points& targets) const;
+
+  double diagonal_;
+  KillingSolver solver_;
+  Spirals spirals_;
+  Orientation orientation_;
+  TriangleGuard guard_;
+  Handles handles_;
+  std::vector<MovingTogether> together_;
+
+  Points next_, field_;  // of the substep under way
+  Eigen::VectorXd stiffness_;
+  std::vector<double> area_, next_area_;
+};
+
+}  // namespace planar

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "planar/handle.h"
+#include "planar/poser.h"
+
+namespace planar {
+
+/// No vertex moves by more than this share of the rest's box diagonal in one refine().
+constexpr double refine_limit = 0.02;
+
+/// Handles with all that a method needs to know of them, checked for sizes.
+struct HandleSet {
+  Handles handles;
+  Eigen::VectorXd strength;               ///< k: of each handle; a patch's is shared out among its handles
+  std::vector<char> patch;                ///< k flags: one of several handles of a pin
+  std::vector<std::vector<int>> patches;  ///< the rows of each pin with several handles
+};
+
+/// What a Poser asks of a method. Targets are checked. The methods start from positions x and write the new
+/// ones there; they fill in iterations, substeps and converged of a new report. When one throws, the Poser
+/// drops x and the report; the object itself may have lost what only saves time.
+class PosingMethod {
+ public:
+  PosingMethod() = default;
+  virtual ~PosingMethod() = default;
+  PosingMethod(const PosingMethod&) = delete;
+  PosingMethod& operator=(const PosingMethod&) = delete;
+
+  /// Replaces the handles, or throws and keeps those of before.
+  virtual void set_handles(const HandleSet& handles) = 0;
+  virtual void move(const Points& targets, Points& x, Report& report) = 0;
+  virtual void refine(const Points& targets, Points& x, Report& report) = 0;
+  virtual void settle(const Points& targets, Points& x, Report& report) = 0;
+  /// The positions are no longer those of the last call: forget what was derived from them.
+  virtual void reset() noexcept = 0;
+};
+
+}  // namespace planar
