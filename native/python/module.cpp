@@ -143,6 +143,8 @@ PYBIND11_MODULE(_core, m) {
               "Triangles of opposite orientation than at rest, judged on float32-rounded positions.")
           .def_readonly("triangle_area", &Distortion::triangle_area, "E_area of each triangle, m.")
           .def_readonly("triangle_angle", &Distortion::triangle_angle, "E_angle of each triangle, m.")
+          .def_readonly("triangle_flipped", &Distortion::triangle_flipped,
+                        "Whether each triangle is counted as flipped, m.")
           .def("__repr__", &distortion_text);
   distortion_class.attr("__module__") = "planar_native";
 

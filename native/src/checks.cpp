@@ -2,6 +2,7 @@
 #include "checks.h"
 
 #include <cmath>
+#include <limits>
 
 namespace planar {
 
@@ -37,6 +38,26 @@ void require_mesh(const char* name, const Points& vertices, const Triangles& tri
   if (triangles.rows() == 0)
     throw std::invalid_argument("triangles is empty: a mesh needs at least one triangle");
   require_finite(name, vertices);
+}
+
+void require_triangles(Eigen::Index n_vertices, const Triangles& triangles) {
+  if (n_vertices > std::numeric_limits<int>::max() / 32 ||
+      triangles.rows() > std::numeric_limits<int>::max() / 32) {
+    throw std::invalid_argument("triangles: a mesh of this size is not supported");
+  }
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const auto row = triangles.row(t);
+    for (int c = 0; c < 3; ++c) {
+      if (row[c] < 0 || row[c] >= n_vertices) {
+        throw std::invalid_argument(row_of("triangles", t) + "vertex " + std::to_string(row[c]) +
+                                    " is out of range, the mesh has " + std::to_string(n_vertices) +
+                                    " vertices");
+      }
+    }
+    if (row[0] == row[1] || row[1] == row[2] || row[2] == row[0]) {
+      throw std::invalid_argument(row_of("triangles", t) + "names a vertex twice");
+    }
+  }
 }
 
 void require_stiffness(const Eigen::VectorXd& stiffness, const Triangles& triangles) {

@@ -14,8 +14,11 @@ void require_finite(const char* name, const Eigen::Ref<const Points>& values);
 void require_positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>& values);
 
 /// `vertices` and `triangles` make a mesh: finite rows, at least one triangle (the indices are checked by
-/// Mesh).
+/// require_triangles).
 void require_mesh(const char* name, const Points& vertices, const Triangles& triangles);
+
+/// Each triangle names three different vertices of n, and there are not too many of either.
+void require_triangles(Eigen::Index n_vertices, const Triangles& triangles);
 
 /// Empty, or a number above 0 for every triangle.
 void require_stiffness(const Eigen::VectorXd& stiffness, const Triangles& triangles);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "checks.h"
-#include "mesh.h"
 #include "orientation.h"
 
 namespace planar {
@@ -14,11 +13,11 @@ Distortion distortion(const Points& rest, const Points& posed, const Triangles& 
   require_mesh("rest", rest, triangles);
   require_rows("posed", posed.rows(), rest.rows(), "vertex of rest");
   require_finite("posed", posed);
-  const Mesh mesh(rest.rows(), triangles);
+  require_triangles(rest.rows(), triangles);
 
-  Distortion result{0.0, 0.0, Orientation(rest, triangles).count_flipped(posed),
-                    Eigen::VectorXd::Constant(triangles.rows(), 2.0),
-                    Eigen::VectorXd::Constant(triangles.rows(), 2.0)};
+  const Eigen::VectorXd none = Eigen::VectorXd::Constant(triangles.rows(), 2.0);
+  Distortion result{0.0, 0.0, 0, none, none, Orientation(rest, triangles).flipped(posed)};
+  result.flipped = static_cast<int>(result.triangle_flipped.count());
   const auto sides = [&triangles](const Points& x, Eigen::Index t) {
     Eigen::Matrix2d columns;
     columns.col(0) = x.row(triangles(t, 1)) - x.row(triangles(t, 0));

@@ -2,7 +2,6 @@
 #include "mesh.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -35,26 +34,6 @@ class DisjointSets {
 };
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-void check_triangles(Eigen::Index n_vertices, const Triangles& triangles) {
-  if (n_vertices > std::numeric_limits<int>::max() / 32 ||
-      triangles.rows() > std::numeric_limits<int>::max() / 32) {
-    throw std::invalid_argument("triangles: a mesh of this size is not supported");
-  }
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const auto row = triangles.row(t);
-    for (int c = 0; c < 3; ++c) {
-      if (row[c] < 0 || row[c] >= n_vertices) {
-        throw std::invalid_argument(row_of("triangles", t) + "vertex " + std::to_string(row[c]) +
-                                    " is out of range, the mesh has " + std::to_string(n_vertices) +
-                                    " vertices");
-      }
-    }
-    if (row[0] == row[1] || row[1] == row[2] || row[2] == row[0]) {
-      throw std::invalid_argument(row_of("triangles", t) + "names a vertex twice");
-    }
-  }
-}
 
 /// Row i holds the vertices above i that share a triangle with it, once per triangle, ascending.
 struct UpperNeighbours {
@@ -118,7 +97,7 @@ std::vector<std::array<int, 3>> find_braces(int n_vertices, const Triangles& tri
 
 Mesh::Mesh(Eigen::Index vertex_count, Triangles rows)
     : n_vertices(static_cast<int>(vertex_count)), n_parts(0), triangles(std::move(rows)) {
-  check_triangles(vertex_count, triangles);
+  require_triangles(vertex_count, triangles);
   const UpperNeighbours sides(n_vertices, triangles);
   std::vector<char> on_boundary(at(n_vertices));
   DisjointSets connected(at(n_vertices));

@@ -42,6 +42,13 @@ void Orientation::measure(const Points& x, std::vector<double>& area) const {
   }
 }
 
+Flags Orientation::flipped(const Points& x) const {
+  Flags result(triangles_.rows());
+  for (std::size_t t = 0; t < sign_.size(); ++t)
+    result[static_cast<Eigen::Index>(t)] = sign_[t] * doubled_area(x, triangles_.data() + 3 * t) < 0.0;
+  return result;
+}
+
 int Orientation::count_flipped(const Points& x) const {
   int flipped = 0;
   for (std::size_t t = 0; t < sign_.size(); ++t)

@@ -17,6 +17,9 @@ class Orientation {
   /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.
   void measure(const Points& x, std::vector<double>& area) const;
 
+  /// Whether each triangle lies the other way round at x.
+  Flags flipped(const Points& x) const;
+
   /// Triangles that lie the other way round at x.
   int count_flipped(const Points& x) const;
 

@@ -63,6 +63,7 @@ TEST(Distortion, FlipsAreJudgedInFloat32) {
   ASSERT_GT(posed(2, 1), (posed(0, 1) + posed(1, 1)) / 2.0);
   ASSERT_LT(rounded(posed(2, 1)), line);
   EXPECT_EQ(distortion(rest, posed, triangle).flipped, 1);
+  EXPECT_TRUE(distortion(rest, posed, triangle).triangle_flipped[0]);
 }
 
 TEST(Distortion, CollapsedTrianglesAreInfinite) {

@@ -75,6 +75,21 @@ def test_mirror_flips_every_triangle():
     vertices, triangles = reference.bar()
     result = planar_native.distortion(vertices, vertices * [-1, 1], triangles)
     assert result.flipped == len(triangles)
+    assert result.triangle_flipped.all()
+
+
+def test_flipped_triangles_are_told_one_by_one():
+    vertices, triangles = reference.bar()
+    folded = vertices.copy()
+    corner = triangles[7, 0]
+    folded[corner] = 2.0 * folded[triangles[7, 1:]].mean(axis=0) - folded[corner]  # over the opposite edge
+    a, b, c = (folded[triangles[:, i]] for i in range(3))
+    ab, ac = b - a, c - a
+    expected = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0] < 0.0
+    result = planar_native.distortion(vertices, folded, triangles)
+    assert expected[7]
+    np.testing.assert_array_equal(result.triangle_flipped, expected)
+    assert result.flipped == expected.sum() < len(triangles)
 
 
 def test_poser_brings_handles_to_their_targets():

@@ -14,6 +14,7 @@ struct Distortion {
   int flipped;                     ///< triangles with det J < 0
   Eigen::VectorXd triangle_area;   ///< m values
   Eigen::VectorXd triangle_angle;  ///< m values
+  Flags triangle_flipped;          ///< m values
 };
 
 /// Distortion from `rest` (n×2) to `posed` (n×2). Flips are judged on positions rounded to float32, which is

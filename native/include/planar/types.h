@@ -20,6 +20,9 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 /// m×3 vertex indices (from 0). Orientation may differ from triangle to triangle.
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
+/// One truth a row.
+using Flags = Eigen::Array<bool, Eigen::Dynamic, 1>;
+
 /// The numbers were valid, but the method failed on them (a singular system, an overflow, no memory for a
 /// factor).
 struct SolveError : std::runtime_error {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from typing import Any, Literal, final
 
-from numpy import float64
+from numpy import bool_, float64
 from numpy.typing import ArrayLike, NDArray
 
 _Handles = ArrayLike | tuple[ArrayLike, ArrayLike]
@@ -20,6 +20,8 @@ class Distortion:
     def triangle_area(self) -> NDArray[float64]: ...
     @property
     def triangle_angle(self) -> NDArray[float64]: ...
+    @property
+    def triangle_flipped(self) -> NDArray[bool_]: ...
 
 @final
 class Report:
