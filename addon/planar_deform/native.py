@@ -22,7 +22,7 @@ if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
         "remove other copies of the extension, install it again and restart Blender"
     )
 
-Method = Literal["akvf"]
+Method = Literal["hold", "akvf"]
 Poser = planar_native.Poser
 Report = planar_native.Report
 SolveError = planar_native.SolveError

@@ -30,6 +30,10 @@ class GuardedPoser {
     const std::scoped_lock lock(mutex_);
     return poser_.move(targets);
   }
+  Points refine() {
+    const std::scoped_lock lock(mutex_);
+    return poser_.refine();
+  }
   Points settle() {
     const std::scoped_lock lock(mutex_);
     return poser_.settle();

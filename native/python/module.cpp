@@ -51,8 +51,9 @@ Distortion py_distortion(py::handle rest, py::handle posed, py::handle triangles
 }
 
 PoserMethod to_method(const std::string& name) {
+  if (name == "hold") return PoserMethod::hold;
   if (name == "akvf") return PoserMethod::akvf;
-  throw std::invalid_argument("method: '" + name + "' is not available; there is 'akvf'");
+  throw std::invalid_argument("method: '" + name + "' is not available; there are 'hold' and 'akvf'");
 }
 
 std::shared_ptr<GuardedPoser> make_poser(py::handle rest, py::handle triangles, const std::string& method,
@@ -149,7 +150,7 @@ PYBIND11_MODULE(_core, m) {
   distortion_class.attr("__module__") = "planar_native";
 
   auto report_class =
-      py::class_<Report>(m, "Report", "What the last move or settle of a Poser did.")
+      py::class_<Report>(m, "Report", "What the last move, refine or settle of a Poser did.")
           .def_readonly("iterations", &Report::iterations,
                         "Steps towards the targets: 1 in move, as many as it took in settle.")
           .def_readonly("substeps", &Report::substeps,
@@ -222,7 +223,7 @@ Raises ValueError (shape, dtype, not finite, index out of range, unknown method)
   poser_class.attr("__module__") = "planar_native";
   poser_class
       .def(py::init(&make_poser), py::arg("rest"), py::arg("triangles"), py::kw_only(),
-           py::arg("method") = "akvf", py::arg("pin_weight") = py::none(), py::arg("stiffness") = py::none())
+           py::arg("method") = "hold", py::arg("pin_weight") = py::none(), py::arg("stiffness") = py::none())
       .def("set_handles", &py_set_handles, py::arg("handles"), py::kw_only(), py::arg("weights") = py::none(),
            py::arg("groups") = py::none(), R"(set_handles(handles, *, weights=None, groups=None)
 
@@ -232,12 +233,19 @@ handles k (see the module); weights k, positive, multiply pin_weight (None: 1 ea
 (a patch) share the weight of one pin (None: each handle is its own group). Raises ValueError.)")
       .def("move", &py_move, py::arg("targets"), R"(move(targets)
 
-One step of the handles from where they are towards targets, k x 2, and of the mesh with them. Returns the new positions, n x 2.
-Raises ValueError and SolveError; the shape is then the one before the call.)")
+A bounded number of steps towards targets, k x 2, from the present shape; for each event of a drag. Returns the new positions,
+n x 2. Raises ValueError and SolveError; the shape is then the one before the call.)")
+      .def(
+          "refine", [](const PoserRef& poser) { return poser->refine(); }, without_gil, R"(refine()
+
+One more bounded piece of work towards the last targets, about as much as a move, in which no vertex moves by more than 2 % of
+the diagonal of the rest's box; for the frames after the mouse has come to rest, until report.converged. Without targets it does
+nothing. Returns the new positions, n x 2. Raises SolveError; the shape is then the one before the call.)")
       .def(
           "settle", [](const PoserRef& poser) { return poser->settle(); }, without_gil, R"(settle()
 
-Steps on towards the last targets until the handles stop getting nearer, for when the mouse rests. Returns the new positions, n x 2. Raises SolveError.)")
+All that is left to do towards the last targets, within a fixed number of steps; without refine's limit on motion. Without
+targets it does nothing. Returns the new positions, n x 2. Raises SolveError; the shape is then the one before the call.)")
       .def("reset", &py_reset, py::arg("positions") = py::none(), R"(reset(positions=None)
 
 Takes positions, n x 2, as the present shape; None takes the rest shape. Handles stay, targets are forgotten. Raises ValueError.)")
@@ -247,7 +255,7 @@ Takes positions, n x 2, as the present shape; None takes the rest shape. Handles
           "The present shape, n x 2; a copy.")
       .def_property_readonly(
           "report", py::cpp_function([](const PoserRef& poser) { return poser->report(); }, without_gil),
-          "What the last move or settle did, a Report.");
+          "What the last move, refine or settle did, a Report.");
 
   m.def("build_info", &py_build_info, R"(build_info()
 

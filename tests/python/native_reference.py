@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small meshes, and the methods of Solomon et al. 2011 (AKVF) in dense NumPy, written from the formulas."""
+"""Small meshes, and the methods in dense NumPy, written from the formulas of Solomon et al. 2011 (AKVF),
+and what method "hold" minimises."""
 
 import numpy as np
 
@@ -96,3 +97,91 @@ def distortion(rest, posed, triangles):
     jacobian = np.swapaxes(posed[triangles], 1, 2) @ np.swapaxes(gradient, 1, 2)
     first, second = np.linalg.svd(jacobian, compute_uv=False).T
     return first * second + 1 / (first * second), first / second + second / first, area
+
+
+def picked(handles, triangles, n):
+    """The k x n matrix that takes values at the vertices to values at the handles, given as the module takes
+    them: vertices, or (triangles, barycentric weights)."""
+    if not isinstance(handles, tuple):
+        return np.eye(n)[handles]
+    rows = np.zeros((len(handles[0]), n))
+    for row, triangle, weights in zip(rows, *handles, strict=True):
+        row[triangles[triangle]] = weights
+    return rows
+
+
+class HoldEnergy:
+    """E(x) = sum_t stiffness_t A_t (|J|^2 + |1/J|^2) + sum_k weight_k |pick_k x - target_k|^2, the J of each
+    triangle from rest to x; infinite where a triangle is flat or lies the other way round."""
+
+    def __init__(self, rest, triangles, pick, targets, weights, stiffness=None):
+        area, gradient = gradients(rest, triangles)
+        self.area = area * (np.ones(len(triangles)) if stiffness is None else stiffness)
+        self.pick, self.targets, self.weights = pick, targets, weights
+        self.size = 2 * len(rest)
+        # One row of J after another, from (x_0, y_0, x_1, y_1, ...): m x 4 x 2n.
+        self.to_jacobian = np.zeros((len(triangles), 4, self.size))
+        for t, corners in enumerate(triangles):
+            for axis in range(2):
+                self.to_jacobian[t, 2 * axis, 2 * corners + axis] = gradient[t, 0]
+                self.to_jacobian[t, 2 * axis + 1, 2 * corners + axis] = gradient[t, 1]
+
+    def _measured(self, x):
+        j = self.to_jacobian @ x.ravel()  # m x 4: J00 J01 J10 J11
+        slope = j[:, [3, 2, 1, 0]] * [1, -1, -1, 1]  # of the determinant
+        return j, slope, (j * slope).sum(axis=1) / 2, (j**2).sum(axis=1)
+
+    def value(self, x):
+        _, _, det, square = self._measured(x)
+        if not (det > 0).all():
+            return np.inf
+        off = self.pick @ x - self.targets
+        return (self.area * (square + square / det**2)).sum() + (self.weights * (off**2).sum(axis=1)).sum()
+
+    def gradient(self, x):
+        """n x 2."""
+        j, slope, det, square = self._measured(x)
+        of_jacobian = (2 * (1 + det**-2))[:, None] * j - (2 * square * det**-3)[:, None] * slope
+        flat = np.einsum("t,ti,tix->x", self.area, of_jacobian, self.to_jacobian)
+        return flat.reshape(-1, 2) + 2 * self.pick.T @ (
+            self.weights[:, None] * (self.pick @ x - self.targets)
+        )
+
+    def projected_hessian(self, x):
+        """2n x 2n, each triangle's negative eigenvalues set to 0."""
+        j, slope, det, square = self._measured(x)
+        turned = np.zeros((4, 4))  # second derivative of the determinant
+        turned[0, 3] = turned[3, 0] = 1
+        turned[1, 2] = turned[2, 1] = -1
+        mixed = np.einsum("ti,tj->tij", j, slope)
+        each = (
+            (2 * (1 + det**-2))[:, None, None] * np.eye(4)
+            - (4 * det**-3)[:, None, None] * (mixed + mixed.swapaxes(1, 2))
+            + (6 * square * det**-4)[:, None, None] * np.einsum("ti,tj->tij", slope, slope)
+            - (2 * square * det**-3)[:, None, None] * turned
+        )
+        values, vectors = np.linalg.eigh(each)
+        each = (vectors * np.maximum(values, 0)[:, None, :]) @ vectors.swapaxes(1, 2)
+        stretched = (self.area[:, None, None] * each) @ self.to_jacobian
+        rows = 4 * len(self.area)
+        pins = self.pick.T @ (self.weights[:, None] * self.pick)
+        return self.to_jacobian.reshape(rows, -1).T @ stretched.reshape(rows, -1) + 2 * np.kron(
+            pins, np.eye(2)
+        )
+
+    def minimum(self, start):
+        """Damped projected Newton from `start`, down to what rounding allows."""
+        x, value = start, self.value(start)
+        for _ in range(500):
+            gradient = self.gradient(x)
+            hessian = self.projected_hessian(x) + 1e-9 * self.area.sum() / self.size * np.eye(self.size)
+            step = np.linalg.solve(hessian, -gradient.ravel()).reshape(-1, 2)
+            slope = (gradient * step).sum()
+            length = 1.0
+            while length > 1e-9 and not self.value(x + length * step) <= value + 1e-4 * length * slope:
+                length /= 2
+            if slope > -1e-15 * value or length <= 1e-9:
+                return x
+            x = x + length * step
+            value = self.value(x)
+        return x

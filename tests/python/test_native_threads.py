@@ -10,6 +10,8 @@ import pytest
 
 import planar_native
 
+METHODS = ["hold", "akvf"]
+
 
 def drag(poser, rest, handles, turn):
     """The positions along a drag that moves the handles on an arc."""
@@ -18,6 +20,7 @@ def drag(poser, rest, handles, turn):
         angle = turn * (step + 1)
         arc = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         path.append(poser.move(rest[handles] @ arc))
+    path.append(poser.refine())
     path.append(poser.settle())
     return np.array(path)
 
@@ -50,12 +53,13 @@ def mesh():
     return reference.bar(columns=40, rows=20)
 
 
-def test_two_posers_in_two_threads_give_the_bits_of_one_after_the_other(mesh):
+@pytest.mark.parametrize("method", METHODS)
+def test_two_posers_in_two_threads_give_the_bits_of_one_after_the_other(mesh, method):
     rest, triangles = mesh
     drags = [(np.array([0, 40, 500]), 0.03), (np.array([7, 300, 820, 860]), -0.02)]
 
     def run(handles, turn):
-        poser = planar_native.Poser(rest, triangles)
+        poser = planar_native.Poser(rest, triangles, method=method)
         poser.set_handles(handles)
         return drag(poser, rest, handles, turn)
 
@@ -65,14 +69,15 @@ def test_two_posers_in_two_threads_give_the_bits_of_one_after_the_other(mesh):
         np.testing.assert_array_equal(beside, alone)
 
 
-def test_one_poser_in_two_threads_makes_calls_wait_for_each_other(mesh):
+@pytest.mark.parametrize("method", METHODS)
+def test_one_poser_in_two_threads_makes_calls_wait_for_each_other(mesh, method):
     """Every result is that of a call that ran alone: all ask for the same move, so there is one sequence."""
     rest, triangles = mesh
     handles = np.array([0, 40, 500])
     targets = rest[handles] + [[0.0, 0.0], [2.0, 3.0], [0.0, 1.0]]
 
     def fresh():
-        poser = planar_native.Poser(rest, triangles)
+        poser = planar_native.Poser(rest, triangles, method=method)
         poser.set_handles(handles)
         return poser
 
@@ -86,10 +91,11 @@ def test_one_poser_in_two_threads_makes_calls_wait_for_each_other(mesh):
     assert all(shape.tobytes() in known for shape in first + second)
 
 
-def test_other_threads_run_during_a_solve():
+@pytest.mark.parametrize("method", METHODS)
+def test_other_threads_run_during_a_solve(method):
     """With the GIL held, the main thread could not wake between the solve's start and its end."""
     rest, triangles = reference.bar(columns=150, rows=100)
-    poser = planar_native.Poser(rest, triangles)
+    poser = planar_native.Poser(rest, triangles, method=method)
     poser.set_handles([0, 150, 15000])
     targets = rest[[0, 150, 15000]] + [[0.0, 0.0], [5.0, 9.0], [0.0, 1.0]]
     span = []

@@ -12,16 +12,6 @@ BARYCENTRIC = (np.array([3, 40, 70]), np.array([[0.2, 0.3, 0.5], [1 / 3, 1 / 3, 
 VELOCITIES = np.array([[0.3, -0.1], [0.0, 0.4], [-0.2, 0.2]])
 
 
-def picked(handles, triangles, n):
-    """The k x n matrix that takes values at the vertices to values at the handles."""
-    if not isinstance(handles, tuple):
-        return np.eye(n)[handles]
-    rows = np.zeros((len(handles[0]), n))
-    for row, triangle, weights in zip(rows, *handles, strict=True):
-        row[triangles[triangle]] = weights
-    return rows
-
-
 @pytest.mark.parametrize("handles", [HANDLES, BARYCENTRIC], ids=["vertices", "barycentric"])
 @pytest.mark.parametrize("painted", [False, True], ids=["uniform", "painted"])
 @pytest.mark.parametrize("dirichlet", [False, True], ids=["(7)", "(8)"])
@@ -32,7 +22,7 @@ def test_killing_field_solves_7_and_8(handles, painted, dirichlet, pin_weight, h
     options = {"pin_weight": pin_weight, "hard": hard, "dirichlet": dirichlet, "stiffness": stiffness}
     field = planar_native.killing_field(vertices, triangles, handles, VELOCITIES, **options)
     expected = reference.killing_field(
-        vertices, triangles, picked(handles, triangles, len(vertices)), VELOCITIES, **options
+        vertices, triangles, reference.picked(handles, triangles, len(vertices)), VELOCITIES, **options
     )
     # The condition number of (7) is about 1e5 here: two exact methods differ by 1e-11 or so.
     np.testing.assert_allclose(field, expected, rtol=0, atol=1e-9)
@@ -92,7 +82,7 @@ def test_flipped_triangles_are_told_one_by_one():
     assert result.flipped == expected.sum() < len(triangles)
 
 
-def test_poser_brings_handles_to_their_targets():
+def test_akvf_brings_handles_to_their_targets():
     vertices, triangles = reference.bar()
     poser = planar_native.Poser(vertices, triangles, method="akvf", pin_weight=1e4)
     poser.set_handles(HANDLES)
@@ -107,13 +97,13 @@ def test_poser_brings_handles_to_their_targets():
     assert poser.report.flipped == 0
 
 
-def test_poser_turns_rigid_motion_into_rigid_motion():
+def test_akvf_turns_rigid_motion_into_rigid_motion():
     vertices, triangles = reference.bar()
-    poser = planar_native.Poser(vertices, triangles)
+    poser = planar_native.Poser(vertices, triangles, method="akvf")
     poser.set_handles(BARYCENTRIC)
     turn = np.array([[np.cos(0.2), np.sin(0.2)], [-np.sin(0.2), np.cos(0.2)]])
     moved = vertices @ turn + [3.0, -1.0]
-    start = picked(BARYCENTRIC, triangles, len(vertices)) @ moved
+    start = reference.picked(BARYCENTRIC, triangles, len(vertices)) @ moved
     posed = poser.move(start)
     for _ in range(20):
         posed = poser.settle()
@@ -122,9 +112,10 @@ def test_poser_turns_rigid_motion_into_rigid_motion():
     assert poser.report.furthest_handle < 0.05
 
 
-def test_reset_takes_the_rest_shape_or_the_one_given():
+@pytest.mark.parametrize("method", ["hold", "akvf"])
+def test_reset_takes_the_rest_shape_or_the_one_given(method):
     vertices, triangles = reference.bar()
-    poser = planar_native.Poser(vertices, triangles)
+    poser = planar_native.Poser(vertices, triangles, method=method)
     poser.set_handles(HANDLES)
     poser.move(vertices[HANDLES] + 0.5)
     shape = vertices * [1.1, 0.9]
@@ -137,9 +128,10 @@ def test_reset_takes_the_rest_shape_or_the_one_given():
     np.testing.assert_array_equal(poser.positions, vertices)
 
 
-def test_what_is_returned_is_a_copy():
+@pytest.mark.parametrize("method", ["hold", "akvf"])
+def test_what_is_returned_is_a_copy(method):
     vertices, triangles = reference.bar()
-    poser = planar_native.Poser(vertices, triangles)
+    poser = planar_native.Poser(vertices, triangles, method=method)
     poser.set_handles(HANDLES)
     posed = poser.move(vertices[HANDLES])
     posed[:] = 0

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Prints how well and how fast the module poses characters, beside libigl, in an environment of its own.
+# usage: tools/figures.sh [FOLDER] [--table distortion|loops|settle]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+# shellcheck source=tools/packages.sh
+source tools/packages.sh
+tools/apt.sh "${build_packages[@]}"
+tools/venv.sh build/figures figures.txt
+tools/module.sh build/figures
+build/figures/bin/python benchmarks/figures.py "$@"
