@@ -24,7 +24,7 @@ lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, and the add-on's regist
 	@tools/setup.sh lint
 	@tools/lint.sh
 
-bench: ## Tables of the native solver's speed and of a drag's cost in Blender's window
+bench: ## Tables of the solver's speed, of a drag's cost in Blender's window, and beside libigl
 	@tools/bench.sh
 
 extension: dist/.built ## dist/planar_deform-*.zip, to be installed in Blender

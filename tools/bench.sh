@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Prints the tables of the native solver's speed, then what a drag costs in Blender's window.
+# Prints the tables of the native solver's speed, what a drag costs in Blender's window, and how well and fast
+# the module poses beside libigl.
 # usage: tools/bench.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,3 +13,4 @@ tools/setup.sh native
 )
 build/release/benchmarks/planar_benchmarks
 tools/window_tests.sh blender_tests/window/event_cost.py
+tools/figures.sh
