@@ -9,12 +9,26 @@ from functools import partial
 import bpy
 
 from .model import solver_cache
-from .operators import click, drag, pins, rest
+from .operators import click, drag, pins, rest, stiffness
 from .scene import follow, properties, snapshot
-from .ui import gizmos, overlay, panel, tool
+from .ui import gizmos, overlay, panel, quality, tool
 
 # Each has CLASSES, and register() and unregister() where classes are not all; those run with the classes in.
-MODULES = (properties, pins, rest, drag, click, follow, snapshot, gizmos, tool, overlay, panel)
+MODULES = (
+    properties,
+    pins,
+    rest,
+    drag,
+    click,
+    stiffness,
+    follow,
+    snapshot,
+    gizmos,
+    tool,
+    quality,
+    overlay,
+    panel,
+)
 
 
 _undo: list[Callable[[], None]] = []

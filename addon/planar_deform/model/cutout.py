@@ -21,7 +21,7 @@ class Cutout:
     stiffness: Array | None = None  # m factors, None: all 1
 
 
-# How many times as much as a neutral triangle a fully painted one resists; one painted away, as many times less.
+# A fully painted triangle resists this many times as much as a neutral one, an erased one as many times less.
 STIFFEST = 100.0
 NEUTRAL = 0.5  # the painted weight that changes nothing
 

@@ -96,7 +96,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
     def change(self, obj, scene):
-        taken = {pin.group for pin in obj.planar.pins}
+        taken = {pin.group for pin in obj.planar.pins} | {obj.planar.stiffness_group}
         new = [group for group in obj.vertex_groups if group.name not in taken]
         if not new:
             raise Refusal("Every vertex group has a pin already: add groups in the Vertex Groups panel first")

@@ -11,7 +11,7 @@ from ..model.frame import Array, Indices, PlaneFrame, mapped, plane_frame
 from ..model.locate import MeshPoint, nearest_point
 from ..model.rest import completed, copied_along_edges, copied_parts, fitted
 from . import rest as rest_store
-from . import shape_keys, triangulation
+from . import shape_keys, stiffness, triangulation
 from .errors import ObjectGone, Refusal
 
 FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
@@ -120,7 +120,8 @@ class SceneCutout:
         self.positions = self.frame.flatten(world)
         self._depths = _part_means(self.frame.depth(world), parts)
         rest = self._rest_positions(stored, owners, shown, triangles, parts)
-        self.cutout = make_cutout(rest, triangles, parts)
+        painted = stiffness.painted(obj)
+        self.cutout = make_cutout(rest, triangles, parts, None if painted is None else painted[used])
 
     # -- reading
 

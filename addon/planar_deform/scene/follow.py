@@ -14,12 +14,14 @@ CLASSES = ()
 
 @persistent
 def follow_edits(scene, depsgraph):
-    """After each update: pins follow the groups of their object."""
+    """After each update: pins and stiffness follow the groups of their object."""
     for update in depsgraph.updates:
         obj = update.id.original
-        if not isinstance(obj, bpy.types.Object) or obj.type != "MESH" or not obj.planar.pins:
+        if not isinstance(obj, bpy.types.Object) or obj.type != "MESH":
             continue
-        if obj.library is None and obj.mode == "OBJECT":
+        if not obj.planar.pins and not obj.planar.stiffness_group:
+            continue
+        if obj.library is None and obj.mode in {"OBJECT", "WEIGHT_PAINT"}:
             sync(obj)
 
 

@@ -20,31 +20,43 @@ GROUP_NAME = "Pin"
 
 
 def sync(obj: bpy.types.Object) -> None:
-    """Make the pins follow renamed, removed and reordered vertex groups.
+    """Make the pins, and the stiffness, follow renamed, removed and reordered vertex groups.
 
     Groups have no stable identity: a name that is gone is taken to have been renamed to what its index holds
-    now, if no group was added or removed since and no other pin uses that group. Anything else stays a
+    now, if no group was added or removed since and nothing else uses that group. Anything else stays a
     missing group.
     """
     settings = obj.planar
     groups = obj.vertex_groups
-    used = {pin.group for pin in settings.pins}
+    used = {pin.group for pin in settings.pins} | {settings.stiffness_group}
     unchanged = settings.group_count == len(groups)
-    for pin in settings.pins:
-        group = groups.get(pin.group)
-        if group is None and unchanged and 0 <= pin.group_index < len(groups):
-            renamed = groups[pin.group_index]
+
+    def followed(name: str, index: int) -> bpy.types.VertexGroup | None:
+        group = groups.get(name)
+        if group is None and name and unchanged and 0 <= index < len(groups):
+            renamed = groups[index]
             if renamed.name not in used:
-                group = renamed
-                if pin.name == pin.group:
-                    pin.name = renamed.name
-                held = pin.has_target, pin.angle
-                pin.group = renamed.name  # which lets go of its target, as another group would
-                pin.has_target, pin.angle = held
                 used.add(renamed.name)
+                group = renamed
+        return group
+
+    for pin in settings.pins:
+        group = followed(pin.group, pin.group_index)
+        if group is not None and group.name != pin.group:
+            if pin.name == pin.group:
+                pin.name = group.name
+            held = pin.has_target, pin.angle
+            pin.group = group.name  # which lets go of its target, as another group would
+            pin.has_target, pin.angle = held
         index = -1 if group is None else group.index
         if pin.group_index != index:
             pin.group_index = index
+    group = followed(settings.stiffness_group, settings.stiffness_index)
+    if group is not None and group.name != settings.stiffness_group:
+        settings.stiffness_group = group.name
+    index = -1 if group is None else group.index
+    if settings.stiffness_index != index:
+        settings.stiffness_index = index
     if settings.group_count != len(groups):
         settings.group_count = len(groups)
 

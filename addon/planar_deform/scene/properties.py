@@ -80,6 +80,23 @@ class PlanarSettings(bpy.types.PropertyGroup):
         min=1e-3,
         soft_max=10.0,
     )
+    stiffness_group: StringProperty(
+        name="Stiffness",
+        description=(
+            "Vertex group painted with stiffness: at a weight of 0.5 the drawing is as it is without, "
+            "at 1 a hundred times as stiff, at 0 a hundred times as soft"
+        ),
+    )
+    stiffness_index: IntProperty(default=-1, options={"HIDDEN"})
+    show_quality: EnumProperty(
+        name="Quality",
+        description="Colour the drawing by how much the pose distorts it; flipped triangles are marked, too",
+        items=(
+            ("OFF", "Off", "No colours"),
+            ("AREA", "Area", "How much larger or smaller each triangle has become"),
+            ("ANGLE", "Angle", "How much each triangle has changed its shape"),
+        ),
+    )
     show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
 
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
 from .. import native
-from ..model.frame import Array
+from ..model.frame import Array, Indices
 from ..model.pins import Holder
 from ..model.posing import PinResult
 from .access import Refusal, SceneCutout, read_cutout
@@ -40,14 +41,21 @@ class Snapshot:
     """What there is to draw of one object."""
 
     pins: tuple[PinPlace, ...]
-    points: Array  # n x 3 world positions of the cutout's vertices; none unless the mesh is shown
-    edges: Array  # e x 2 indices into them
-    distortion: native.Distortion | None = None  # of the shown shape; during a drag, of the one it began with
+    points: Array  # n x 3 world positions of the cutout's vertices
+    edges: Array  # e x 2 indices into them; none unless the mesh's edges are shown
+    triangles: Indices  # m x 3 indices into them, as they are solved
+    distortion: native.Distortion | None = None  # of the shown shape
     refusal: str | None = None  # why the object cannot be posed, and what to do; then there is nothing else
 
     def pin(self, key: int) -> PinPlace | None:
         """The pin with this index, None if it has no place (its group is missing or empty)."""
         return next((pin for pin in self.pins if pin.key == key), None)
+
+    @cached_property
+    def worst(self) -> tuple[float, float]:
+        """The largest distortion of any triangle: area and angle."""
+        assert self.distortion is not None
+        return float(self.distortion.triangle_area.max()), float(self.distortion.triangle_angle.max())
 
 
 @dataclass(frozen=True)
@@ -79,10 +87,10 @@ def follow(scene: SceneCutout, positions: Array, results: Iterable[PinResult]) -
     global _kept, _followed
     if _followed is None or _kept is None:
         _followed = (scene.object_name, scene.session_uid)
-        edges, distortion = _edges(scene), _distortion(scene)
+        edges = _edges(scene)
     else:
-        edges, distortion = _kept.snapshot.edges, _kept.snapshot.distortion
-    _kept = _Kept((), _snapshot(scene, positions, results, edges, distortion))
+        edges = _kept.snapshot.edges
+    _kept = _Kept((), _snapshot(scene, positions, results, edges))
 
 
 def release() -> None:
@@ -108,7 +116,8 @@ def _read(obj: bpy.types.Object) -> Snapshot:
     try:
         scene = read_cutout(obj)
     except Refusal as refusal:
-        return Snapshot((), np.empty((0, 3)), np.empty((0, 2), np.int32), refusal=str(refusal))
+        nothing = np.empty((0, 3)), np.empty((0, 2), np.int32), np.empty((0, 3), np.int32)
+        return Snapshot((), *nothing, refusal=str(refusal))
     results = []
     for pin in model_pins(obj, scene):
         holder = Holder(pin, scene.cutout)
@@ -116,14 +125,10 @@ def _read(obj: bpy.types.Object) -> Snapshot:
         target = place if pin.target is None else pin.target
         angle = holder.fitted_angle(scene.positions) if pin.kind == "PATCH" else 0.0
         results.append(PinResult(pin.key, holder.part, target, place, angle))
-    return _snapshot(scene, scene.positions, results, _edges(scene), _distortion(scene))
+    return _snapshot(scene, scene.positions, results, _edges(scene))
 
 
-def _distortion(scene: SceneCutout) -> native.Distortion:
-    return native.distortion(scene.cutout.rest, scene.positions, scene.cutout.triangles)
-
-
-def _edges(scene: SceneCutout) -> Array:
+def _edges(scene: SceneCutout) -> Indices:
     """The mesh's own edges, e x 2 in the cutout's indices, without loose ones; none unless they are shown."""
     obj = scene.resolve()
     if not obj.planar.show_mesh:
@@ -136,21 +141,21 @@ def _edges(scene: SceneCutout) -> Array:
     return edges[(edges >= 0).all(axis=1)]
 
 
-def _snapshot(
-    scene: SceneCutout,
-    positions: Array,
-    results: Iterable[PinResult],
-    edges: Array,
-    distortion: native.Distortion,
-) -> Snapshot:
+def _snapshot(scene: SceneCutout, positions: Array, results: Iterable[PinResult], edges: Indices) -> Snapshot:
     pins = []
     for result in results:
         part = np.array([result.part, result.part], np.int32)
         place, target = scene.to_world(np.array([result.reached, result.target]), part)
         turned = scene.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
         pins.append(PinPlace(result.key, place, target, turned, result.angle))
-    points = scene.to_world(positions, scene.cutout.parts) if len(edges) else np.empty((0, 3))
-    return Snapshot(tuple(pins), points, edges, distortion)
+    cutout = scene.cutout
+    return Snapshot(
+        tuple(pins),
+        scene.to_world(positions, cutout.parts),
+        edges,
+        cutout.triangles,
+        native.distortion(cutout.rest, positions, cutout.triangles),
+    )
 
 
 @persistent

@@ -8,7 +8,7 @@ import math
 import bpy
 import numpy as np
 
-from ..scene import modifiers, snapshot
+from ..scene import modifiers, snapshot, stiffness
 from ..scene.access import pose_refusal
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
@@ -29,6 +29,9 @@ class PLANAR_UL_pins(bpy.types.UIList):
             row.label(text="no group", icon="ERROR")
         elif (seen := snapshot.of_active(context)) and not seen.refusal and seen.pin(index) is None:
             row.label(text="empty", icon="ERROR")
+        weight = row.row(align=True)
+        weight.ui_units_x = 2.5
+        weight.prop(item, "weight", text="", emboss=False)
         row.prop(item, "enabled", text="", emboss=False, icon="PINNED" if item.enabled else "UNPINNED")
 
 
@@ -105,27 +108,45 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
             _lines(layout, text, "INFO", context)
 
 
-class PLANAR_PT_distortion(PlanarPanel, bpy.types.Panel):
-    bl_label = "Distortion"
+class PLANAR_PT_stiffness(PlanarPanel, bpy.types.Panel):
+    bl_label = "Stiffness"
     bl_parent_id = "PLANAR_PT_pose"
 
     def draw(self, context):
         layout = self.layout
+        obj = context.object
+        layout.prop_search(obj.planar, "stiffness_group", obj, "vertex_groups", text="")
+        if stiffness.missing(obj):
+            text = "There is no group of this name: choose one, or clear the field"
+            _lines(layout, text, "ERROR", context)
+        if obj.mode == "WEIGHT_PAINT":
+            _lines(layout, "Paint 1 where it is stiff, 0 where it is soft; 0.5 is neutral", "INFO", context)
+            layout.operator("object.mode_set", text="Done", icon="CHECKMARK").mode = "OBJECT"
+        else:
+            layout.operator("planar.paint_stiffness", icon="BRUSH_DATA")
+
+
+class PLANAR_PT_quality(PlanarPanel, bpy.types.Panel):
+    bl_label = "Quality"
+    bl_parent_id = "PLANAR_PT_pose"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.row().prop(context.object.planar, "show_quality", expand=True)
         seen = snapshot.of_active(context)
         if seen is None or seen.distortion is None:
             layout.label(text="Measured on a drawing with pins")
             return
         distortion = seen.distortion
-        split = layout.split(factor=0.5)
-        names, values = split.column(align=True), split.column(align=True)
-        for name, value in (
-            ("Area", f"{distortion.area:.3f}  (2 is none)"),
-            ("Angle", f"{distortion.angle:.3f}  (2 is none)"),
-            ("Flipped", f"{distortion.flipped}  triangle{'' if distortion.flipped == 1 else 's'}"),
+        table = layout.grid_flow(row_major=True, columns=3, even_columns=True, align=True)
+        for cell in (
+            *("", "Mean", "Worst"),
+            *("Area", f"{distortion.area:.3f}", f"{seen.worst[0]:.3f}"),
+            *("Angle", f"{distortion.angle:.3f}", f"{seen.worst[1]:.3f}"),
+            *("Flipped", str(distortion.flipped), ""),
         ):
-            names.label(text=name)
-            values.label(text=value)
-        names.alignment = "RIGHT"
+            table.label(text=cell)
+        layout.label(text="2 is undistorted")
 
 
 def _draw_pin(layout, context, pin, index):
@@ -135,6 +156,7 @@ def _draw_pin(layout, context, pin, index):
     column.use_property_decorate = False
     column.prop(pin, "kind")
     column.prop_search(pin, "group", obj, "vertex_groups", text="Group")
+    column.prop(pin, "enabled")
     column.prop(pin, "weight")
     seen = snapshot.of_active(context)
     place = None if seen is None else seen.pin(index)
@@ -163,4 +185,11 @@ def _lines(layout, text, icon, context):
         column.label(text=line, icon=icon if number == 0 else "BLANK1")
 
 
-CLASSES = (PLANAR_UL_pins, PLANAR_MT_add_pins, PLANAR_PT_pins, PLANAR_PT_pose, PLANAR_PT_distortion)
+CLASSES = (
+    PLANAR_UL_pins,
+    PLANAR_MT_add_pins,
+    PLANAR_PT_pins,
+    PLANAR_PT_pose,
+    PLANAR_PT_stiffness,
+    PLANAR_PT_quality,
+)

@@ -50,6 +50,7 @@ class PoseTool(bpy.types.WorkSpaceTool):
         if obj is not None and obj.type == "MESH":
             layout.prop(obj.planar, "method", text="")
             layout.prop(obj.planar, "pin_weight")
+            layout.prop(obj.planar, "show_quality")
             layout.prop(obj.planar, "show_mesh")
 
 
