@@ -14,6 +14,7 @@ from .scene import follow, properties, snapshot
 from .ui import gizmos, overlay, panel, quality, tool
 
 # Each has CLASSES, and register() and unregister() where classes are not all; those run with the classes in.
+# The last one is undone first: it ends a drag that is on.
 MODULES = (
     properties,
     pins,
@@ -43,6 +44,7 @@ def register() -> None:
                 _undo.append(partial(bpy.utils.unregister_class, cls))
             if hasattr(module, "register"):
                 module.register()
+            if hasattr(module, "unregister"):
                 _undo.append(module.unregister)
     except Exception:
         unregister()

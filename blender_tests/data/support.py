@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cutouts to test on, and short ways to read and pose them."""
 
+from functools import partial
+
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -86,13 +88,13 @@ def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
     activate(obj)
     scene = begin(bpy.context)
     moving = {i for i, pin in enumerate(obj.planar.pins) if pin.select} if moving is None else set(moving)
-    poser = solver_cache.poser_for(
-        scene.session_uid, scene.cutout, obj.planar.method.lower(), scene.positions
+    make_poser = partial(
+        solver_cache.poser_for, scene.session_uid, scene.cutout, obj.planar.method.lower(), scene.positions
     )
-    action = PoseAction(scene.cutout, scene.positions, pins.model_pins(obj, scene), moving, poser)
+    action = PoseAction(scene.cutout, scene.positions, pins.model_pins(obj, scene), moving, make_poser)
     for step in range(1, 9):
         action.move(offset[0] * step / 8, offset[1] * step / 8, angle * step / 8)
-    scene.write(action.finish())
+    scene.write(action.settle())
     pins.store_results(obj, scene, action.results())
     return scene, action
 

@@ -99,6 +99,7 @@ def test_repeating_an_action_with_its_path_gives_the_same_bits():
 def test_an_edited_offset_carries_the_path_along():
     ends = {}
     path = circle(0.3, 0.5)
+    path = np.concatenate([path, path[-1:].repeat(5, axis=0)])  # a rest at the end, in which it settles
     end = path[-1, :2]
     for name, factor in (("recorded", 1.0), ("edited", 0.5)):
         obj = bar(name=name)

@@ -16,6 +16,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from types import ModuleType
 
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d
@@ -109,6 +110,16 @@ class Window:
         yield from self.press()
         yield from self.move(end, steps=steps)
         yield from self.release()
+        yield from self.settled()
+
+    def settled(self, seconds: float = 20.0) -> Iterator[None]:
+        """Until all that a drag asked for is solved and shown; after a release, until the drag has ended."""
+        yield  # the last event is handled by then
+        until = time.monotonic() + seconds
+        running = addon("operators.interactive").running
+        while (session := running()) is not None and (session.released or not session.settled):
+            assert time.monotonic() < until, f"the drawing does not settle within {seconds} s"
+            yield
         yield
 
     def key(self, kind: str, **modifiers: bool) -> Iterator[None]:
@@ -172,6 +183,11 @@ class Window:
         path = PICTURES / f"{name}.png"
         subprocess.run(["import", "-window", "root", str(path)], check=True)
         return path
+
+
+def addon(name: str) -> ModuleType:
+    """A module of the installed extension."""
+    return next(module for path, module in sys.modules.items() if path.endswith(f".planar_deform.{name}"))
 
 
 def fresh_file() -> None:

@@ -21,6 +21,7 @@ Mode = Literal["MOVE", "ROTATE"]
 Point = tuple[float, float]
 
 PRECISE = 0.1  # what Shift makes of a movement, as in Blender's transforms
+TURN_STEP, PRECISE_TURN_STEP = math.radians(5.0), math.radians(1.0)  # what Ctrl snaps a turn to, as there
 
 
 @dataclass(frozen=True)
@@ -35,13 +36,15 @@ class Drag:
     turn: float = 0.0  # radians from anchor to point about the pivot, whole turns included
     base: Sample = (0.0, 0.0, 0.0)  # what had been reached at the anchor
     precise: bool = False
+    snapped: bool = False
+    step: float = 1.0  # world length that offsets are snapped to
     lock: str = ""  # the letter of the only axis that moves, or none
     numeric: Numeric = field(default_factory=lambda: Numeric(("",)))
 
     @staticmethod
-    def begin(mode: Mode, letters: tuple[str, str], pivot: Point, point: Point) -> Drag:
+    def begin(mode: Mode, letters: tuple[str, str], pivot: Point, point: Point, step: float = 1.0) -> Drag:
         """A drag whose mouse is at `point`, and which has moved nothing yet."""
-        return Drag(mode, letters, pivot, point, point, numeric=_no_numbers(mode, ""))
+        return Drag(mode, letters, pivot, point, point, step=step, numeric=_no_numbers(mode, ""))
 
     def moved(self, point: Point) -> Drag:
         """After the mouse went to `point`."""
@@ -53,11 +56,10 @@ class Drag:
         """After the view changed under a resting mouse, which is now at `point` of the plane."""
         return replace(self, base=self._by_mouse, anchor=point, point=point, turn=0.0)
 
-    def with_precision(self, precise: bool) -> Drag:
-        """After Shift was pressed or released."""
-        if precise == self.precise:
-            return self
-        return replace(self.seen_from_elsewhere(self.point), precise=precise)
+    def held(self, *, shift: bool, ctrl: bool) -> Drag:
+        """While these keys are held: Shift for precision, Ctrl for snapping."""
+        drag = self if shift == self.precise else replace(self.seen_from_elsewhere(self.point), precise=shift)
+        return drag if ctrl == self.snapped else replace(drag, snapped=ctrl)
 
     def pressed(self, key: str) -> Drag | None:
         """After a key with this name (Blender's) was pressed; None if it means nothing to a drag."""
@@ -72,13 +74,17 @@ class Drag:
     def sample(self) -> Sample:
         """(du, dv, angle) since the start: world lengths along the plane's axes, and radians."""
         if self.mode == "ROTATE":
-            return (0.0, 0.0, math.radians(self.numeric.values[0])) if self.numeric.active else self._by_mouse
+            if self.numeric.active:
+                return (0.0, 0.0, math.radians(self.numeric.values[0]))
+            step = PRECISE_TURN_STEP if self.precise else TURN_STEP
+            return (0.0, 0.0, self._snap(self._by_mouse[2], step))
         if self.numeric.active:
             values = self.numeric.values
             if not self.lock:
                 return (values[0], values[1], 0.0)
             return (values[0], 0.0, 0.0) if self.lock == self.letters[0] else (0.0, values[0], 0.0)
-        du, dv, _ = self._by_mouse
+        step = self.step * (PRECISE if self.precise else 1.0)
+        du, dv = (self._snap(value, step) for value in self._by_mouse[:2])
         return (du if self.lock != self.letters[1] else 0.0, dv if self.lock != self.letters[0] else 0.0, 0.0)
 
     @property
@@ -96,6 +102,9 @@ class Drag:
         ]
         along = f" along {self.lock}" if self.lock else ""
         return f"Move Pins: {'   '.join(numbers)}   ({math.hypot(du, dv):.4f}){along}"
+
+    def _snap(self, value: float, step: float) -> float:
+        return step * round(value / step) if self.snapped else value
 
     @property
     def _by_mouse(self) -> Sample:

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -16,12 +17,12 @@ from .pins import Holder, Pin, rotation
 # One sample of a drag: offset along u and v in world lengths and turn in radians, each since the start.
 Sample = tuple[float, float, float]
 
-# A move with no recorded path runs straight to its end in this many samples: enough that each turns and
-# stretches the drawing little, which is what a step of a Killing field assumes.
+# A way that nobody recorded, straight or carried along, is taken in this many samples: enough that each turns
+# and stretches the drawing little, which is what a step of a Killing field assumes.
 RAMP_SAMPLES = 24
 
-FINISHING_STEPS = 4
-THERE = 1e-4  # of the diagonal
+# Refinements in a row that settling takes at most. A pose converges in far fewer, or never.
+MOST_REFINEMENTS = 100
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,21 @@ class PinResult:
     angle: float
 
 
+@dataclass(frozen=True)
+class Solved:
+    """What an action has come to."""
+
+    positions: Array  # n x 2
+    results: list[PinResult]
+    report: native.Report  # of the solver, on the last sample
+    path: list[Sample]  # that led here
+
+
 class PoseAction:
     """Moves the pins whose keys are in `moving` by samples since the start; the other enabled pins hold.
 
-    `positions` (n x 2) is the shape to start from and `poser` a solver standing there. Equal samples in equal
-    order give equal bits.
+    `positions` (n x 2) is the shape to start from and `make_poser` gives a solver standing there; it is
+    called at the first move, which may be in another thread. Equal samples in equal order give equal bits.
     """
 
     def __init__(
@@ -48,60 +59,69 @@ class PoseAction:
         positions: Array,
         pins: Iterable[Pin],
         moving: Iterable[int],
-        poser: native.Poser,
+        make_poser: Callable[[], native.Poser],
         pivot: Array | None = None,
     ):
-        self._cutout = cutout
-        self._poser = poser
-        self._positions = positions
+        self._start = positions
+        self._make_poser = make_poser
         self._holders = [Holder(pin, cutout) for pin in pins if pin.enabled]
+        if not self._holders:
+            raise ValueError("pins: none is enabled")
         self._moving = frozenset(moving)
         self._starts = [_start(holder, positions) for holder in self._holders]
-        movers = [
-            place
-            for holder, (place, _) in zip(self._holders, self._starts, strict=True)
-            if self._moves(holder)
-        ]
-        if not movers:
-            raise ValueError("moving: none of these pins is enabled and has vertices")
-        self.pivot: Array = np.mean(movers, axis=0) if pivot is None else np.asarray(pivot, dtype=np.float64)
+        if pivot is None:
+            movers = [
+                place
+                for holder, (place, _) in zip(self._holders, self._starts, strict=True)
+                if self._moves(holder)
+            ]
+            pivot = np.mean(movers, axis=0) if movers else np.zeros(2)
+        self.pivot: Array = np.asarray(pivot, dtype=np.float64)
+        self.restart()
+
+    def restart(self) -> None:
+        """Back to the start, as if nothing had been moved yet."""
+        self._poser: native.Poser | None = None
+        self.positions = self._start  # n x 2, after the last move
         self.path: list[Sample] = []
-        self._targets: Array | None = None
-        self._set_handles()
+        self._refinements = 0
 
     @property
-    def report(self) -> native.Report:
-        """The solver's report on the last move."""
-        return self._poser.report
-
-    @property
-    def positions(self) -> Array:
-        """The n x 2 positions after the last move."""
-        return self._positions
+    def settled(self) -> bool:
+        """Whether refining would change nothing worth seeing, or has been tried for long enough."""
+        return self._poser is None or self._poser.report.converged or self._refinements >= MOST_REFINEMENTS
 
     def move(self, du: float, dv: float, angle: float) -> Array:
-        """Take the pins to a total offset and turn since the start (rounded to float32); n x 2 positions."""
-        sample = (float(np.float32(du)), float(np.float32(dv)), float(np.float32(angle)))
-        targets = [
-            holder.handle_targets(*self._aim(holder, start, sample))
-            for holder, start in zip(self._holders, self._starts, strict=True)
-        ]
-        self._targets = np.concatenate(targets)
-        self._positions = self._poser.move(self._targets)
-        self.path.append(sample)
-        return self._positions
+        """Take the pins to a total offset and turn since the start (rounded to float32); n x 2 positions.
 
-    def finish(self) -> Array:
-        """A few more steps to the last sample, as at the release of a drag, unless all pins are there; n x 2.
-
-        The solver's own settle() goes on until nothing gets nearer, which takes half a second where pins pull
-        hard, too long for a release.
+        The sample before once more: the drawing comes closer to the shape that belongs to it, by one bounded
+        refinement. So a path tells not only where the pins went but also how long they rested.
         """
-        for _ in range(FINISHING_STEPS):
-            if self._targets is None or self.report.furthest_handle <= THERE * self._cutout.diagonal:
-                break
-            self._positions = self._poser.move(self._targets)
-        return self._positions
+        sample = (float(np.float32(du)), float(np.float32(dv)), float(np.float32(angle)))
+        if self._poser is None:
+            self._poser = self._make_poser()
+            self._set_handles(self._poser)
+        if self.path and self.path[-1] == sample:
+            refine = getattr(self._poser, "refine", None) or partial(self._poser.move, self._targets(sample))
+            self.positions = refine()
+            self._refinements += 1
+        else:
+            self.positions = self._poser.move(self._targets(sample))
+            self._refinements = 0
+        self.path.append(sample)
+        return self.positions
+
+    def settle(self) -> Array:
+        """Refine until there is nothing left to do; n x 2 positions."""
+        while not self.settled:
+            self.move(*self.path[-1])
+        return self.positions
+
+    def solved(self) -> Solved:
+        """What there is now, which later moves do not change."""
+        if self._poser is None:
+            raise ValueError("nothing has been moved yet")
+        return Solved(self.positions, self.results(), self._poser.report, list(self.path))
 
     def results(self) -> list[PinResult]:
         """Where each enabled pin was asked to be and where it is, now."""
@@ -109,7 +129,7 @@ class PoseAction:
         results = []
         for holder, start in zip(self._holders, self._starts, strict=True):
             target, angle = self._aim(holder, start, sample)
-            reached = holder.place(self._positions)
+            reached = holder.place(self.positions)
             results.append(PinResult(holder.pin.key, holder.part, target, reached, angle))
         return results
 
@@ -123,10 +143,17 @@ class PoseAction:
         du, dv, angle = sample
         return self.pivot + rotation(angle) @ (place - self.pivot) + np.array([du, dv]), turned + angle
 
-    def _set_handles(self) -> None:
+    def _targets(self, sample: Sample) -> Array:
+        targets = [
+            holder.handle_targets(*self._aim(holder, start, sample))
+            for holder, start in zip(self._holders, self._starts, strict=True)
+        ]
+        return np.concatenate(targets)
+
+    def _set_handles(self, poser: native.Poser) -> None:
         parts = [holder.handle_vertices() for holder in self._holders]
         counts = [len(triangles) for triangles, _ in parts]
-        self._poser.set_handles(
+        poser.set_handles(
             (np.concatenate([triangles for triangles, _ in parts]), np.concatenate([w for _, w in parts])),
             weights=np.repeat([holder.pin.weight for holder in self._holders], counts),
             groups=np.repeat(np.arange(len(parts)), counts),
@@ -147,7 +174,9 @@ def carried_path(
 
     An edited offset turns and scales the whole path about its start (the similarity that takes the recorded
     end to the edited one), an edited angle scales its turns. A path that is empty or ends where it started,
-    in what is edited, has no direction to carry along: the result runs straight to the edited end.
+    in what is edited, has no direction to carry along: the result runs straight to the edited end. An edited
+    path cannot give the bits that were recorded, so it keeps only as many samples as a straight one, and no
+    rests.
     """
     du, dv, turn = path[-1] if path else (0.0, 0.0, 0.0)
     if offset is not None:
@@ -158,7 +187,7 @@ def carried_path(
         if recorded == 0.0:
             return [(edited.real * t, edited.imag * t, turn * t) for t in _ramp()]
         ratio = edited / recorded
-        carried = [(complex(u, v) * ratio, a) for u, v, a in path[:-1]] + [(edited, turn)]
+        carried = [(complex(u, v) * ratio, a) for u, v, a in _thinned(path)[:-1]] + [(edited, turn)]
         return [(z.real, z.imag, a) for z, a in carried]
     if angle is not None:
         wanted = float(np.float32(angle))
@@ -166,8 +195,15 @@ def carried_path(
             return list(path)
         if turn == 0.0:
             return [(du * t, dv * t, wanted * t) for t in _ramp()]
-        return [(u, v, a * (wanted / turn)) for u, v, a in path[:-1]] + [(du, dv, wanted)]
+        return [(u, v, a * (wanted / turn)) for u, v, a in _thinned(path)[:-1]] + [(du, dv, wanted)]
     return list(path)
+
+
+def _thinned(path: list[Sample]) -> list[Sample]:
+    """At most RAMP_SAMPLES of the path, the last one among them, none equal to the one before."""
+    moves = [sample for sample, before in zip(path, [None, *path], strict=False) if sample != before]
+    last, steps = len(moves) - 1, min(len(moves), RAMP_SAMPLES)
+    return [moves[last - (steps - 1 - step) * last // max(1, steps - 1)] for step in range(steps)]
 
 
 def _ramp() -> list[float]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import OrderedDict
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ class _Entry:
 
 
 _entries: OrderedDict[int, _Entry] = OrderedDict()
+_changing = threading.Lock()  # solvers are asked for in the solving thread, and dropped in Blender's
 
 
 def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array) -> native.Poser:
@@ -34,17 +36,20 @@ def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array)
     entry = _entries.get(key)
     if entry is None or entry.method != method or not _same(entry.cutout, cutout):
         poser = native.Poser(cutout.rest, cutout.triangles, method=method, stiffness=cutout.stiffness)
-        entry = _entries[key] = _Entry(cutout, method, poser)
-    _entries.move_to_end(key)
-    while len(_entries) > CAPACITY:
-        _entries.popitem(last=False)
+        entry = _Entry(cutout, method, poser)
+    with _changing:
+        _entries[key] = entry
+        _entries.move_to_end(key)
+        while len(_entries) > CAPACITY:
+            _entries.popitem(last=False)
     entry.poser.reset(positions)
     return entry.poser
 
 
 def clear() -> None:
     """Drop every solver."""
-    _entries.clear()
+    with _changing:
+        _entries.clear()
 
 
 def _same(a: Cutout, b: Cutout) -> bool:

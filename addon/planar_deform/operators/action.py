@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-import bpy
-import numpy as np
+from functools import partial
 
-from ..model import solver_cache
+import bpy
+
+from ..model import solver_cache, solving
 from ..model.frame import Array
 from ..model.pins import Holder
-from ..model.posing import PinResult, PoseAction, Sample
+from ..model.posing import PinResult, PoseAction, Sample, Solved
 from ..scene import pins, snapshot
 from ..scene.access import Refusal, begin
 
@@ -64,9 +65,9 @@ class SceneAction:
             if not self._moving & usable:
                 raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
             positions, cutout = self.scene.positions, self.scene.cutout
-            poser = solver_cache.poser_for(self._key, cutout, self._method, positions)
+            make_poser = partial(solver_cache.poser_for, self._key, cutout, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
-            self._pose = PoseAction(cutout, positions, self._pins, self._moving, poser)
+            self._pose = PoseAction(cutout, positions, self._pins, self._moving, make_poser)
         return self._pose
 
     def part(self) -> int:
@@ -75,30 +76,29 @@ class SceneAction:
         chosen += [pin for pin in self._pins if pin.key in self._moving]
         return int(self.scene.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
 
-    def move(self, sample: Sample) -> None:
-        """Take the pins to a total offset and turn, and show it. Raises ObjectGone and SolveError."""
-        self.scene.resolve()
-        self._write(self.pose.move(*sample))
-        self._tell()
-
-    def retrace(self, path: list[Sample]) -> None:
-        """Take the pins along another path instead of the one so far, and show its end."""
-        self._pose = None
-        self.run(path)
-        self._tell()
-
-    def run(self, path: list[Sample]) -> None:
-        """Take the pins along a path, and show its end."""
+    def run(self, path: list[Sample], *, settle: bool) -> None:
+        """Take the pins along a path, here and now; show its end and keep it."""
+        solving.halt()
         for sample in path:
             self.pose.move(*sample)
-        self._write(self.pose.positions)
+        if settle:
+            self.pose.settle()
+        solved = self.pose.solved()
+        self._write(solved.positions)
+        self.keep(solved)
 
-    def keep(self) -> None:
-        """End it with what was reached."""
-        obj = self.scene.resolve()
-        positions = self.pose.finish()
-        self._write(positions)
-        pins.store_results(obj, self.scene, self.pose.results())
+    def show(self, solved: Solved) -> None:
+        """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
+        self._write(solved.positions)
+        results = list(solved.results)
+        for holder in self._off:  # they go where the drawing takes them
+            place, angle = holder.place(solved.positions), holder.fitted_angle(solved.positions)
+            results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
+        snapshot.follow(self.scene, solved.positions, results)
+
+    def keep(self, solved: Solved) -> None:
+        """Let the pins hold the drawing where this, which is shown, left it."""
+        pins.store_results(self.scene.resolve(), self.scene, solved.results)
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""
@@ -115,18 +115,9 @@ class SceneAction:
         self._select(after)
         return after != self._selected_before or self._active_before != self._pressed
 
-    def _tell(self) -> None:
-        """Where all pins are by now; those that are off go where the drawing takes them."""
-        positions = self.pose.positions
-        results = self.pose.results()
-        for holder in self._off:
-            place, angle = holder.place(positions), holder.fitted_angle(positions)
-            results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
-        snapshot.follow(self.scene, positions, results)
-
     def _write(self, positions: Array) -> None:
         self._wrote = True
-        self.scene.write(np.asarray(positions))
+        self.scene.write(positions)
 
     def _select(self, wanted: set[int]) -> None:
         for index, pin in enumerate(self.scene.resolve().planar.pins):

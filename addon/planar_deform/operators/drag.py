@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import base64
 import binascii
-import contextlib
-import traceback
+import math
 
 import bpy
 import numpy as np
@@ -15,14 +14,13 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 
 from .. import native
 from ..model.drag import Drag, Mode, Point
-from ..model.posing import Sample, carried_path
-from ..scene import snapshot
-from ..scene.access import ObjectGone, Refusal
+from ..model.posing import Sample, Solved, carried_path
+from ..scene.access import Refusal
 from .action import SceneAction
+from .interactive import PASSED_ON, Interactive, Session
 
 EDGE_ON = "The drawing is seen edge-on here: turn the view first"
-# Events that drive the view, and those that are nobody's: they go on to Blender.
-PASSED_ON = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "NDOF", "MOUSEROTATE", "MOUSESMARTZOOM", "TIMER", "WINDOW")
+SNAP_PIXELS = 5.0  # at a UI scale of 1, the least that a snapping step is wide
 CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
@@ -43,7 +41,7 @@ def unpack_path(text: str) -> list[Sample]:
     return [(float(du), float(dv), float(angle)) for du, dv, angle in samples]
 
 
-class PinTransform:
+class PinTransform(Interactive):
     """What moving and turning share. A subclass names its mode and keeps its result in properties.
 
     There is no poll, as the Pose tool's keys must not go on to Blender's own operators: refusals are reports.
@@ -68,9 +66,10 @@ class PinTransform:
     def execute(self, context):
         try:
             action = SceneAction(context, self.pin, self.extend)
+            recorded = unpack_path(self.path)
+            path = self.edited(recorded)
             try:
-                action.run(self.edited(unpack_path(self.path)))
-                action.keep()
+                action.run(path, settle=path != recorded)
             except Exception:
                 action.cancel()
                 raise
@@ -93,56 +92,38 @@ class PinTransform:
             self._view = _view_of(context)
             self._press = (event.mouse_x, event.mouse_y) if pressed else None
             self._from = self._point(context, event)
+            self._step = self._snapping_step(context, event)
             self._drag = None if pressed else self._begun()
         except Refusal as refusal:
             self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
-        context.window.cursor_modal_set("SCROLL_XY")
         locks = (
             f"   {' or '.join(self._action.scene.frame.letters)}: Lock Axis" if self.mode == "MOVE" else ""
         )
-        context.workspace.status_text_set(
-            f"LMB or Enter: Confirm   Esc or RMB: Cancel   Shift: Precise{locks}   Digits: Type the Value"
+        self._session = Session(
+            context,
+            self._action,
+            "LMB or Enter: Confirm   Esc or RMB: Cancel   Shift: Precise   Ctrl: Snap"
+            f"{locks}   Digits: Type the Value",
         )
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context, event):
-        try:
-            if not self._action.scene.resolve().visible_get():
-                return self._cancel(context)
-            return self._handle(context, event)
-        except ObjectGone:
-            self._leave(context)
-            return {"CANCELLED"}
-        except Refusal as refusal:
-            self.report({"WARNING"}, str(refusal))
-            return self._cancel(context)
-        except native.SolveError as error:
-            self.report({"ERROR"}, str(error))
-            return self._cancel(context)
-        except Exception as error:  # Blender would call again and again; nothing may be left half done
-            traceback.print_exc()
-            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
-            return self._cancel(context)
-
-    def cancel(self, context):
-        """Blender ends the operator itself: another file is loaded, the window closes."""
-        self._cancel(context)
-
-    def _handle(self, context, event):
+    def handle(self, context, event):
         pressed = event.value == "PRESS"
         if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
-            return self._cancel(context)
+            return self.stop()
+        if event.type == "LEFTMOUSE" and pressed and event.alt:
+            return {"PASS_THROUGH"}  # drives the view in some keymaps
         if event.type == "LEFTMOUSE" and (pressed or (event.value == "RELEASE" and self._press is not None)):
-            return self._confirm(context)
+            return self._confirm()
         if event.type in CONFIRM and pressed:
-            return self._confirm(context)
+            return self._confirm()
         if event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}
         if self._drag is None and not self._dragged(context, event):
             return {"RUNNING_MODAL"}
-        drag = self._drag.with_precision(event.shift)
+        drag = self._drag.held(shift=event.shift, ctrl=event.ctrl)
         if event.type == "MOUSEMOVE":
             drag = self._moved(context, event, drag)
         elif pressed and not (event.is_repeat and event.type in drag.letters):
@@ -150,10 +131,10 @@ class PinTransform:
         if drag.sample != self._drag.sample:
             if drag.numeric.active or self._drag.numeric.active:
                 # Not by way of each digit: a typed value gives the shape that a script gets with it.
-                self.keep_result(drag.sample)
-                self._action.retrace(self.edited([]))
+                self.set_end(drag.sample)
+                self._session.retrace(self.edited([]))
             else:
-                self._action.move(drag.sample)
+                self._session.ask(drag.sample)
         if drag.text != self._drag.text and context.area is not None:
             context.area.header_text_set(drag.text)
         self._drag = drag
@@ -174,7 +155,7 @@ class PinTransform:
         if self._from is None:
             raise Refusal(EDGE_ON)
         x, y = self._action.pose.pivot.tolist()
-        return Drag.begin(self.mode, self._action.scene.frame.letters, (x, y), self._from)
+        return Drag.begin(self.mode, self._action.scene.frame.letters, (x, y), self._from, self._step)
 
     def _moved(self, context, event, drag):
         point = self._point(context, event)
@@ -186,48 +167,38 @@ class PinTransform:
             return drag.seen_from_elsewhere(point)
         return drag.moved(point)
 
-    def _point(self, context, event) -> Point | None:
-        """Where the mouse is in the plane of the pins; None where the plane is edge-on."""
+    def _snapping_step(self, context, event) -> float:
+        """The power of ten in world lengths, as Blender's grid has them, that is well visible here."""
+        beside = self._point(context, event, aside=SNAP_PIXELS * context.preferences.system.ui_scale)
+        if self._from is None or beside is None:
+            return 1.0
+        return 10.0 ** math.ceil(math.log10(math.dist(self._from, beside)))
+
+    def _point(self, context, event, aside: float = 0.0) -> Point | None:
+        """Where the mouse is in the plane of the pins, or pixels beside it; None where that is edge-on."""
         region, view = context.region, context.region_data
         if region is None or view is None:
             return None
-        mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
+        mouse = (event.mouse_x - region.x + aside, event.mouse_y - region.y)
         origin = np.array(region_2d_to_origin_3d(region, view, mouse), dtype=np.float64)
         direction = np.array(region_2d_to_vector_3d(region, view, mouse), dtype=np.float64)
         point = self._action.scene.plane_from_ray(origin, direction, self._action.part())
         return None if point is None else (float(point[0]), float(point[1]))
 
-    def _confirm(self, context):
+    def _confirm(self):
         if self._drag is None:
             changed = self._action.click()
-            self._leave(context)
+            self.leave()
             if changed:  # nothing was posed, so this is a step of its own, of another name
                 bpy.ops.ed.undo_push(message="Select Pins")
             return {"CANCELLED"}
-        path = self._action.pose.path
-        if not path:
-            return self._cancel(context)
-        self._action.keep()
-        self.path, self.letters = pack_path(path), "".join(self._drag.letters)
-        self.keep_result(path[-1])
-        self._leave(context)
-        return {"FINISHED"}
+        if self._session.untouched:
+            return self.stop()
+        return self.release()
 
-    def _cancel(self, context):
-        self._leave(context)
-        with contextlib.suppress(ObjectGone):  # then there is nothing to put back
-            self._action.cancel()
-        return {"CANCELLED"}
-
-    def _leave(self, context):
-        """Take back everything that showed that a drag was on."""
-        snapshot.release()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-        if context.window is not None:
-            context.window.cursor_modal_restore()
-            for area in context.window.screen.areas:  # the view may be another editor by now
-                area.header_text_set(None)
+    def keep_result(self, solved: Solved) -> None:
+        self.path, self.letters = pack_path(solved.path), "".join(self._drag.letters)
+        self.set_end(solved.path[-1])
 
 
 def _view_of(context) -> tuple[float, ...]:
@@ -261,7 +232,7 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     def edited(self, path: list[Sample]) -> list[Sample]:
         return carried_path(path, offset=tuple(self.offset))
 
-    def keep_result(self, sample: Sample) -> None:
+    def set_end(self, sample: Sample) -> None:
         self.offset = sample[:2]
 
     def draw(self, context):
@@ -288,7 +259,7 @@ class PLANAR_OT_rotate_pins(PinTransform, bpy.types.Operator):
     def edited(self, path: list[Sample]) -> list[Sample]:
         return carried_path(path, angle=self.angle)
 
-    def keep_result(self, sample: Sample) -> None:
+    def set_end(self, sample: Sample) -> None:
         self.angle = sample[2]
 
     def draw(self, context):

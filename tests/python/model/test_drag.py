@@ -44,15 +44,15 @@ def test_returning_the_mouse_returns_exactly() -> None:
 
 def test_shift_neither_jumps_when_pressed_nor_when_released() -> None:
     drag = move().moved((2.0, 4.0))
-    precise = drag.with_precision(True)
+    precise = drag.held(shift=True, ctrl=False)
     assert precise.sample == drag.sample
     finer = precise.moved((4.0, 4.0))
     assert finer.sample == pytest.approx((1.0 + 2.0 * PRECISE, 2.0, 0.0))
-    coarse = finer.with_precision(False)
+    coarse = finer.held(shift=False, ctrl=False)
     assert coarse.sample == finer.sample
     assert coarse.moved((5.0, 4.0)).sample == pytest.approx((2.0 + 2.0 * PRECISE, 2.0, 0.0))
     turned = rotate().moved((1.0, 3.0))
-    assert turned.with_precision(True).sample == turned.sample == pytest.approx((0.0, 0.0, math.pi / 2))
+    assert turned.held(shift=True, ctrl=False).sample == turned.sample == pytest.approx((0.0, 0.0, math.pi / 2))
 
 
 def test_a_changed_view_moves_nothing_by_itself() -> None:

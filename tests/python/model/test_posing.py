@@ -5,6 +5,7 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ def action(cutout, pins, moving, positions=None, key=1, **options):
         positions,
         pins,
         moving,
-        solver_cache.poser_for(key, cutout, "akvf", positions),
+        partial(solver_cache.poser_for, key, cutout, "akvf", positions),
         **options,
     )
 
@@ -37,13 +38,13 @@ def test_the_moving_pin_follows_and_the_other_holds():
     posed = action(cutout, [pin([0], key=0), pin([43], key=7)], {7})
     for step in range(1, 11):
         posed.move(0.0, 0.1 * step, 0.0)
-    posed.finish()
+    posed.settle()
     held, moved = posed.results()
     assert (held.key, moved.key) == (0, 7)
     assert moved.target == pytest.approx([10.0, 4.0], abs=1e-6)
     assert moved.reached == pytest.approx([10.0, 4.0], abs=1e-2)
     assert held.reached == pytest.approx([0.0, 0.0], abs=1e-2)
-    assert posed.report.flipped == 0
+    assert posed.solved().report.flipped == 0
 
 
 def test_samples_are_rounded_to_float32_and_kept():
@@ -64,7 +65,7 @@ def test_the_same_samples_give_the_same_bits_whatever_the_solver_did_before():
         posed = action(cutout, pins, {1, 2})
         for sample in path:
             posed.move(*sample)
-        results.append(posed.finish())
+        results.append(posed.settle())
     assert np.array_equal(results[0], results[1])
     assert np.array_equal(results[0], results[2])
 
@@ -104,12 +105,10 @@ def test_a_pin_that_weighs_more_gives_way_less():
     assert gaps[0] > 3 * gaps[1] > 9 * gaps[2]
 
 
-def test_nothing_that_can_move_is_an_error():
+def test_nothing_that_holds_is_an_error():
     cutout = grid_cutout(3, 3)
-    with pytest.raises(ValueError, match="moving"):
+    with pytest.raises(ValueError, match="enabled"):
         action(cutout, [pin([0], enabled=False)], {0})
-    with pytest.raises(ValueError, match="moving"):
-        action(cutout, [pin([0])], {5})
 
 
 def test_a_solver_is_kept_while_mesh_rest_and_stiffness_are_the_same():
