@@ -9,7 +9,7 @@ from functools import partial
 import bpy
 
 from .model import solver_cache
-from .operators import click, drag, pins, rest, stiffness
+from .operators import click, drag, interactive, pins, rest, stiffness
 from .scene import follow, properties, snapshot
 from .ui import gizmos, overlay, panel, quality, tool
 
@@ -29,6 +29,7 @@ MODULES = (
     quality,
     overlay,
     panel,
+    interactive,
 )
 
 
