@@ -23,7 +23,8 @@ Points killing_field(const Points& vertices, const Triangles& triangles, const H
   KillingSolver solver(std::move(mesh), {.hard = options.hard, .dirichlet = options.dirichlet});
   solver.use(solver.compile(handles, weights));
   Points field;
-  solver.solve(vertices, options.stiffness, velocities, field);
+  solver.prepare(vertices, options.stiffness);
+  solver.solve(velocities, field);
   return field;
 }
 

@@ -85,8 +85,8 @@ void AkvfMethod::step(const Points& targets, Points& x, Report& report) {
 bool AkvfMethod::substep(const Points& targets, Points& x, double limit, Report& report) {
   const Points velocities = velocities_towards(handles_.positions(x), targets, together_);
   if (velocities.isZero(0.0)) return false;
-  guard_.stiffness(x, stiffness_);
-  solver_.solve(x, stiffness_, velocities, field_);
+  if (!solver_.is_prepared(x)) prepare(x);
+  solver_.solve(velocities, field_);
   const double turn = spirals_.prepare(x, field_);
   const double fastest = field_.rowwise().norm().maxCoeff();
   double t = std::min({1.0, largest_turn / turn, least_straight * limit / fastest});
@@ -98,7 +98,14 @@ bool AkvfMethod::substep(const Points& targets, Points& x, double limit, Report&
   }
   ++report.substeps;
   std::swap(x, next_);
+  prepare(x);
   return t < 1.0;
+}
+
+/// Has the systems at x factored while the caller goes on: whatever comes next, it starts from there.
+void AkvfMethod::prepare(const Points& x) {
+  guard_.stiffness(x, stiffness_);
+  solver_.prepare(x, stiffness_);
 }
 
 /// Advances the prepared spirals by t into `next_`; false if triangles collapse that evening out the spirals'

@@ -25,6 +25,7 @@ class AkvfMethod final : public PosingMethod {
  private:
   void step(const Points& targets, Points& x, Report& report);
   bool substep(const Points& targets, Points& x, double limit, Report& report);
+  void prepare(const Points& x);
   bool advance(double t);
   double furthest(const Points& x, const Points& targets) const;
 

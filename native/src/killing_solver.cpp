@@ -32,8 +32,22 @@ std::vector<int> reorder(const Mesh& mesh, std::vector<int> kept, SparseSolver& 
 KillingSolver::System::System(const Mesh& mesh, std::vector<int> kept, Backend backend)
     : solver(SparseSolver::create(backend)),
       killing(mesh, reorder(mesh, std::move(kept), *solver)),
-      unknown(killing.matrix().size) {
+      unknown(killing.matrix().size),
+      in_worker(mesh.n_vertices >= worth_a_thread) {
   solver->analyze(killing.matrix());
+}
+
+void KillingSolver::System::start(std::function<void()> factor) {
+  if (in_worker) {
+    worker.start(std::move(factor));
+  } else {
+    factor_later = std::move(factor);
+  }
+}
+
+void KillingSolver::System::finish() {
+  worker.finish();
+  if (const auto factor = std::exchange(factor_later, nullptr)) factor();
 }
 
 KillingSolver::KillingSolver(Mesh mesh, Options options) : mesh_(std::move(mesh)), options_(options) {}
@@ -59,90 +73,128 @@ bool KillingSolver::is_smoothed(const Pin& pin) const {
                      [this](int v) { return mesh_.interior[at(v)] != 0; });
 }
 
-void KillingSolver::fit_rigid_fields(const Points& x, const Points& velocities) {
-  rigid_.assign(at(mesh_.n_parts), {Eigen::RowVector2d::Zero(), Eigen::RowVector2d::Zero(), 0.0});
-  bent_.assign(at(mesh_.n_parts), 0);
-  std::vector<double> total(at(mesh_.n_parts)), spread(at(mesh_.n_parts)), inertia(at(mesh_.n_parts));
-  for (Pin& pin : pins_) {
-    pin.position.setZero();
-    for (std::size_t c = 0; c < pin.n_corners; ++c) pin.position += pin.weight[c] * x.row(pin.vertex[c]);
-    pin.velocity.setZero();
-    for (const int row : pin.rows) pin.velocity += velocities.row(row) / static_cast<double>(pin.rows.size());
-    const double weight = options_.hard ? 1.0 : pin.strength;
-    rigid_[at(pin.part)].centre += weight * pin.position;
-    rigid_[at(pin.part)].mean += weight * pin.velocity;
-    total[at(pin.part)] += weight;
-  }
-  for (std::size_t part = 0; part < rigid_.size(); ++part) {
-    if (total[part] == 0.0) continue;
-    rigid_[part].centre /= total[part];
-    rigid_[part].mean /= total[part];
-  }
-  for (const Pin& pin : pins_) {
-    const Eigen::RowVector2d arm = pin.position - rigid_[at(pin.part)].centre;
-    const Eigen::RowVector2d velocity = pin.velocity - rigid_[at(pin.part)].mean;
-    const double weight = options_.hard ? 1.0 : pin.strength;
-    spread[at(pin.part)] = std::max(spread[at(pin.part)], arm.norm());
-    inertia[at(pin.part)] += weight * arm.squaredNorm();
-    rigid_[at(pin.part)].rate += weight * (arm.x() * velocity.y() - arm.y() * velocity.x());
-  }
-  const double diagonal = (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
-  for (std::size_t part = 0; part < rigid_.size(); ++part) {
-    bent_[part] = spread[part] > one_point * diagonal;
-    rigid_[part].rate = bent_[part] ? rigid_[part].rate / inertia[part] : 0.0;
-  }
-  for (Pin& pin : pins_) {
-    pin.velocity -= rigid_[at(pin.part)].at(pin.position);
-  }
+void KillingSolver::use(std::vector<Pin> pins) noexcept {
+  wait();
+  prepared_ = false;
+  pins_ = std::move(pins);
 }
 
-void KillingSolver::solve(const Points& x, const Eigen::VectorXd& stiffness, const Points& velocities,
-                          Points& field) {
+void KillingSolver::wait() noexcept {
+  if (all_) all_->worker.wait();
+  if (inside_) inside_->worker.wait();
+}
+
+void KillingSolver::prepare(const Points& x, const Eigen::VectorXd& stiffness) {
+  wait();
+  prepared_ = false;
+  x_ = x;
+  stiffness_ = stiffness;
+  fit_centres();
+  any_bent_ = std::any_of(bent_.begin(), bent_.end(), [](char bent) { return bent != 0; });
+  correct_ = options_.dirichlet && std::any_of(pins_.begin(), pins_.end(), [this](const Pin& pin) {
+               return bent_[at(pin.part)] && is_smoothed(pin);
+             });
+  if (any_bent_) all_->start([this] { factor_all(); });
+  if (correct_) inside_->start([this] { factor_inside(); });
+  prepared_ = true;
+}
+
+void KillingSolver::fit_centres() {
+  rigid_.assign(at(mesh_.n_parts), {Eigen::RowVector2d::Zero(), Eigen::RowVector2d::Zero(), 0.0, 0.0, 0.0});
+  bent_.assign(at(mesh_.n_parts), 0);
+  std::vector<double> spread(at(mesh_.n_parts));
+  for (Pin& pin : pins_) {
+    pin.position.setZero();
+    for (std::size_t c = 0; c < pin.n_corners; ++c) pin.position += pin.weight[c] * x_.row(pin.vertex[c]);
+    RigidField& rigid = rigid_[at(pin.part)];
+    rigid.centre += strength(pin) * pin.position;
+    rigid.weight += strength(pin);
+  }
+  for (RigidField& rigid : rigid_) {
+    if (rigid.weight != 0.0) rigid.centre /= rigid.weight;
+  }
+  for (const Pin& pin : pins_) {
+    RigidField& rigid = rigid_[at(pin.part)];
+    const Eigen::RowVector2d arm = pin.position - rigid.centre;
+    spread[at(pin.part)] = std::max(spread[at(pin.part)], arm.norm());
+    rigid.inertia += strength(pin) * arm.squaredNorm();
+  }
+  const double diagonal = (x_.colwise().maxCoeff() - x_.colwise().minCoeff()).norm();
+  for (std::size_t part = 0; part < bent_.size(); ++part) bent_[part] = spread[part] > one_point * diagonal;
+}
+
+void KillingSolver::fit_rigid_fields(const Points& velocities) {
+  for (RigidField& rigid : rigid_) {
+    rigid.mean.setZero();
+    rigid.rate = 0.0;
+  }
+  for (Pin& pin : pins_) {
+    pin.velocity.setZero();
+    for (const int row : pin.rows) pin.velocity += velocities.row(row) / static_cast<double>(pin.rows.size());
+    rigid_[at(pin.part)].mean += strength(pin) * pin.velocity;
+  }
+  for (RigidField& rigid : rigid_) {
+    if (rigid.weight != 0.0) rigid.mean /= rigid.weight;
+  }
+  for (const Pin& pin : pins_) {
+    RigidField& rigid = rigid_[at(pin.part)];
+    const Eigen::RowVector2d arm = pin.position - rigid.centre;
+    const Eigen::RowVector2d velocity = pin.velocity - rigid.mean;
+    rigid.rate += strength(pin) * (arm.x() * velocity.y() - arm.y() * velocity.x());
+  }
+  for (std::size_t part = 0; part < rigid_.size(); ++part) {
+    rigid_[part].rate = bent_[part] ? rigid_[part].rate / rigid_[part].inertia : 0.0;
+  }
+  for (Pin& pin : pins_) pin.velocity -= rigid_[at(pin.part)].at(pin.position);
+}
+
+void KillingSolver::factor_all() {
+  all_->killing.assemble(x_, stiffness_, bent_);
+  for (const Pin& pin : pins_) {
+    if (!bent_[at(pin.part)]) continue;
+    for (std::size_t a = 0; a < pin.n_corners; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        all_->killing.add(pin.vertex[a], pin.vertex[b], strength(pin) * pin.weight[a] * pin.weight[b]);
+      }
+    }
+  }
+  all_->solver->factorize(all_->killing.matrix());
+}
+
+void KillingSolver::factor_inside() {
+  inside_->killing.assemble(x_, stiffness_, bent_);
+  inside_->solver->factorize(inside_->killing.matrix());
+}
+
+void KillingSolver::solve(const Points& velocities, Points& field) {
+  prepared_ = false;  // should anything fail
   // K is zero on rigid fields, so (7) is solved for what is left of the velocities after each part's best
   // rigid field. Rigid motions are exact this way, and parts that (7) leaves undetermined have nothing left.
-  fit_rigid_fields(x, velocities);
-  const bool any_bent = std::any_of(bent_.begin(), bent_.end(), [](char bent) { return bent != 0; });
-  const bool correct = options_.dirichlet && std::any_of(pins_.begin(), pins_.end(), [this](const Pin& pin) {
-                         return bent_[at(pin.part)] && is_smoothed(pin);
-                       });
-  if (any_bent) {
-    const auto factor_inside = [this, &x, &stiffness] {
-      inside_->killing.assemble(x, stiffness, bent_);
-      inside_->solver->factorize(inside_->killing.matrix());
-    };
-    struct Waiting {
-      Worker& worker;
-      ~Waiting() { worker.wait(); }
-    } const waiting{worker_};
-    const bool two_threads = correct && mesh_.n_vertices >= worth_a_thread;
-    if (two_threads) worker_.start(factor_inside);
-    all_->killing.assemble(x, stiffness, bent_);
+  fit_rigid_fields(velocities);
+  if (any_bent_) {
+    all_->finish();
     if (options_.hard) {
       solve_hard();
     } else {
       solve_soft();
     }
-    if (correct) {
-      if (two_threads) {
-        worker_.finish();
-      } else {
-        factor_inside();
-      }
-      correct_interior();
-    }
+  }
+  if (correct_) {
+    inside_->finish();
+    correct_interior();
   }
 
   field.setZero(mesh_.n_vertices, 2);
   for (int v = 0; v < mesh_.n_vertices; ++v) {
     const int part = mesh_.part[at(v)];
     if (part < 0) continue;
-    field.row(v) = rigid_[at(part)].at(x.row(v));
+    field.row(v) = rigid_[at(part)].at(x_.row(v));
     if (bent_[at(part)]) {
       const int place = all_->killing.place(v);
       field(v, 0) += all_->unknown[2 * place];
       field(v, 1) += all_->unknown[2 * place + 1];
     }
-    if (correct && bent_[at(part)] && mesh_.interior[at(v)]) {
+    if (correct_ && bent_[at(part)] && mesh_.interior[at(v)]) {
       const int place = inside_->killing.place(v);
       field(v, 0) += inside_->unknown[2 * place];
       field(v, 1) += inside_->unknown[2 * place + 1];
@@ -150,6 +202,7 @@ void KillingSolver::solve(const Points& x, const Eigen::VectorXd& stiffness, con
   }
   if (!field.allFinite())
     throw SolveError("the field is not finite: the mesh or the velocities are too large or too distorted");
+  prepared_ = true;
 }
 
 void KillingSolver::solve_soft() {
@@ -157,15 +210,11 @@ void KillingSolver::solve_soft() {
   unknown.setZero();
   for (const Pin& pin : pins_) {
     if (!bent_[at(pin.part)]) continue;
-    for (std::size_t a = 0; a < pin.n_corners; ++a) {
-      for (std::size_t b = 0; b <= a; ++b) {
-        all_->killing.add(pin.vertex[a], pin.vertex[b], pin.strength * pin.weight[a] * pin.weight[b]);
-      }
-      unknown.segment<2>(2 * all_->killing.place(pin.vertex[a])) +=
-          pin.strength * pin.weight[a] * pin.velocity.transpose();
+    for (std::size_t c = 0; c < pin.n_corners; ++c) {
+      unknown.segment<2>(2 * all_->killing.place(pin.vertex[c])) +=
+          pin.strength * pin.weight[c] * pin.velocity.transpose();
     }
   }
-  all_->solver->factorize(all_->killing.matrix());
   all_->solver->solve(unknown, unknown);
   for (Pin& pin : pins_) {
     if (!bent_[at(pin.part)]) continue;
@@ -185,13 +234,7 @@ void KillingSolver::solve_hard() {
   for (Pin& pin : pins_) {
     if (!bent_[at(pin.part)]) continue;
     active.push_back(&pin);
-    for (std::size_t a = 0; a < pin.n_corners; ++a) {
-      for (std::size_t b = 0; b <= a; ++b)
-        all_->killing.add(pin.vertex[a], pin.vertex[b], pin.weight[a] * pin.weight[b]);
-    }
   }
-  all_->solver->factorize(all_->killing.matrix());
-
   const auto n_constraints = static_cast<Eigen::Index>(2 * active.size());
   Eigen::MatrixXd z(all_->unknown.size(), n_constraints);
   Eigen::MatrixXd schur(n_constraints, n_constraints);

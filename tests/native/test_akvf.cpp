@@ -157,7 +157,8 @@ class EveryBackend : public ::testing::TestWithParam<Backend> {
                          {.hard = options.hard, .dirichlet = options.dirichlet, .backend = GetParam()});
     solver.use(solver.compile(handles, Eigen::VectorXd::Constant(handles.size(), options.pin_weight)));
     Points result;
-    solver.solve(shape.vertices, options.stiffness, velocities, result);
+    solver.prepare(shape.vertices, options.stiffness);
+    solver.solve(velocities, result);
     return result;
   }
 };
@@ -222,18 +223,56 @@ TEST_P(EveryBackend, DependentHardHandlesAreMetByLeastSquares) {
   EXPECT_TRUE(field(shape, handles, random_points(4, 3), {.hard = true}).allFinite());
 }
 
+// A mesh that is factored by the caller's thread, and one large enough for others.
 TEST_P(EveryBackend, NewHandlesAndPositionsGiveWhatANewSolverGives) {
-  const Shape shape = grid(10);
-  KillingSolver solver(Mesh(100, shape.triangles), {.backend = GetParam()});
-  Points kept;
-  for (const Handles& handles : {at(shape, {0, 99}), inside(shape, {7, 80, 100}), at(shape, {44})}) {
-    Shape bent = shape;
-    bent.vertices += 0.01 * random_points(100, static_cast<unsigned>(handles.size()));
-    const Points velocities = random_points(handles.size(), 2);
-    solver.use(solver.compile(handles, Eigen::VectorXd::Ones(handles.size())));
-    solver.solve(bent.vertices, {}, velocities, kept);
-    EXPECT_EQ(kept, field(bent, handles, velocities, {}));
+  for (const int side : {10, 35}) {
+    const Shape shape = grid(side);
+    const int n = side * side;
+    KillingSolver solver(Mesh(n, shape.triangles), {.backend = GetParam()});
+    Points kept;
+    for (const Handles& handles :
+         {at(shape, {0, n - 1}), inside(shape, {7, 80, n}), at(shape, {44}), at(shape, {side + 3, n - 1})}) {
+      Shape bent = shape;
+      bent.vertices += 0.01 * random_points(n, static_cast<unsigned>(handles.size()));
+      const Points velocities = random_points(handles.size(), 2), others = random_points(handles.size(), 3);
+      const Points expected = field(bent, handles, velocities, {});
+      solver.prepare(bent.vertices, {});
+      solver.use(solver.compile(handles, Eigen::VectorXd::Ones(handles.size())));
+      EXPECT_FALSE(solver.is_prepared(bent.vertices));
+      solver.prepare(shape.vertices, {});  // dropped
+      solver.prepare(bent.vertices, {});
+      EXPECT_TRUE(solver.is_prepared(bent.vertices));
+      EXPECT_FALSE(solver.is_prepared(shape.vertices));
+      solver.solve(velocities, kept);
+      EXPECT_EQ(kept, expected);
+      EXPECT_TRUE(solver.is_prepared(bent.vertices));
+      solver.solve(others, kept);
+      solver.solve(velocities, kept);
+      EXPECT_EQ(kept, expected);
+    }
   }
+}
+
+TEST_P(EveryBackend, FailuresOfTheThreadsSurfaceInSolveAndAreForgotten) {
+  const Shape shape = grid(35);
+  const Handles handles = at(shape, {0, 612, 1224});
+  const Points velocities = random_points(3, 2);
+  const Points expected = field(shape, handles, velocities, {});
+  KillingSolver solver(Mesh(1225, shape.triangles), {.backend = GetParam()});
+  solver.use(solver.compile(handles, Eigen::VectorXd::Ones(3)));
+  Points u;
+  for (const bool ask : {true, false}) {
+    const Eigen::VectorXd broken = Eigen::VectorXd::Constant(shape.triangles.rows(), -1.0);
+    solver.prepare(shape.vertices, broken);
+    if (ask) {
+      EXPECT_THROW(solver.solve(velocities, u), SolveError);
+      EXPECT_FALSE(solver.is_prepared(shape.vertices));
+    }
+    solver.prepare(shape.vertices, {});
+    solver.solve(velocities, u);
+    EXPECT_EQ(u, expected);
+  }
+  solver.prepare(shape.vertices, {});  // ends under way
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, ::testing::ValuesIn(backends()), [](const auto& kind) {
@@ -267,7 +306,8 @@ TEST(KillingField, PatchesKeepTheirPullThrough8) {
   Points u;
   KillingSolver solver(Mesh(81, shape.triangles), {});
   solver.use(solver.compile(handles, Eigen::VectorXd::Ones(5), {0, 0, 1, 1, 1}));
-  solver.solve(shape.vertices, {}, velocities, u);
+  solver.prepare(shape.vertices, {});
+  solver.solve(velocities, u);
   EXPECT_EQ(u, killing_field(shape.vertices, shape.triangles, handles, velocities, {.dirichlet = false}));
 }
 
