@@ -9,9 +9,9 @@ from functools import partial
 import bpy
 
 from .model import solver_cache
-from .operators import click, drag, interactive, pins, rest, stiffness
+from .operators import click, drag, interactive, pins, poses, rest, stiffness
 from .scene import follow, properties, snapshot
-from .ui import gizmos, overlay, panel, quality, tool
+from .ui import gizmos, overlay, panel, poses_panel, quality, tool
 
 # Each has CLASSES, and register() and unregister() where classes are not all; those run with the classes in.
 # The last one is undone first: it ends a drag that is on.
@@ -22,6 +22,7 @@ MODULES = (
     drag,
     click,
     stiffness,
+    poses,
     follow,
     snapshot,
     gizmos,
@@ -29,6 +30,7 @@ MODULES = (
     quality,
     overlay,
     panel,
+    poses_panel,
     interactive,
 )
 

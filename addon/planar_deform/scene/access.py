@@ -11,8 +11,9 @@ from ..model.frame import Array, Indices, PlaneFrame, mapped, plane_frame
 from ..model.locate import MeshPoint, nearest_point
 from ..model.rest import completed, copied_along_edges, copied_parts, fitted
 from . import rest as rest_store
-from . import shape_keys, stiffness, triangulation
+from . import sequence, shape_keys, stiffness, triangulation
 from .errors import ObjectGone, Refusal
+from .targets import MeshTarget, target_of
 
 FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
@@ -41,22 +42,25 @@ def pose_refusal(obj: bpy.types.Object | None) -> str | None:
         return "The mesh is shared: make it single-user with Object > Relations > Make Single User"
     if not mesh.polygons:
         return f"'{obj.name}' has no faces: a cutout needs some"
-    return shape_keys.refusal(obj)
+    return sequence.refusal(obj) if sequence.is_ours(obj) else shape_keys.refusal(obj)
 
 
-def begin(context: bpy.types.Context) -> SceneCutout:
-    """The active object read at the start of an action, its transforms up to date. Raises Refusal."""
+def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneCutout:
+    """The active object read at the start of an action, its transforms up to date. Raises Refusal.
+
+    `unkeyed`: what the action writes is shown, and never becomes a keyed pose by itself.
+    """
     context.view_layer.update()
-    return read_cutout(context.object)
+    return read_cutout(context.object, unkeyed=unkeyed)
 
 
-def read_cutout(obj: bpy.types.Object | None) -> SceneCutout:
+def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> SceneCutout:
     """The object's cutout, standing in the shape it shows. Raises Refusal; changes nothing."""
     reason = pose_refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
-    return SceneCutout(obj)
+    return SceneCutout(obj, unkeyed)
 
 
 class SceneCutout:
@@ -71,7 +75,7 @@ class SceneCutout:
     frame: PlaneFrame  # of the shape shown, in world-linear space
     vertex_indices: Indices  # n, of each cutout vertex in the mesh
 
-    def __init__(self, obj: bpy.types.Object):
+    def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         mesh = obj.data
         self.object_name, self.session_uid = obj.name, obj.session_uid
         self._mesh_uid, self._count = mesh.session_uid, len(mesh.vertices)
@@ -86,26 +90,15 @@ class SceneCutout:
             raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
         self._inverse = np.linalg.inv(self._linear)
 
-        self._has_keys = mesh.shape_keys is not None
-        self._begin_key = None
-        if not self._has_keys:
-            self._begin = shape_keys.read_points(mesh.vertices, self._count)
-            shown = self._begin.astype(np.float64)
-            share = np.ones((self._count, 1))
-        else:
-            key = shape_keys.posed_key(obj)
-            self._begin_key = None if key is None else key.name
-            target = mesh.shape_keys.reference_key if key is None else key
-            self._begin = shape_keys.read_points(target.data, self._count)
-            shown = shape_keys.shown_points(obj)
-            share = shape_keys.share_of_posed_key(obj)
-        self._added_key: str | None = None
+        self._target = target_of(obj, unkeyed)
+        shown, share = self._target.shown, self._target.share
+        self._in_mesh = isinstance(self._target, MeshTarget)
 
         stored = rest_store.basis_or_stored(obj)
-        owners = None if self._has_keys or stored is None else rest_store.owners_of(mesh)
+        owners = None if not self._in_mesh or stored is None else rest_store.owners_of(mesh)
         self._rest_before, self._rest_after, self._rest_written = (stored, owners), None, False
         if stored is None:  # no pin yet, or the shape keys that held it are gone
-            stored = self._rest_after = self._begin
+            stored = self._rest_after = self._target.begin
         faces = triangulation.faces_of(mesh, stored)
         triangles, parts, used = faces.triangles, faces.parts, faces.vertices
         self.vertex_indices = used
@@ -184,69 +177,62 @@ class SceneCutout:
     # -- writing
 
     def write(self, positions: Array) -> None:
-        """Show n x 2 positions: in the mesh, or through the posed shape key (made if the Basis is active).
+        """Show n x 2 positions: in the mesh, through the posed shape key, or in the pose sequence.
 
         A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
         Raises Refusal, with nothing changed, beyond what Blender can store.
         """
-        moved = np.flatnonzero(np.any(positions != self.positions, axis=1))
-        offsets = mapped(self.frame.lift(positions[moved] - self.positions[moved]), self._inverse)
-        offsets /= self._share[moved]
-        rows = self.vertex_indices[moved]
-        coordinates = self._begin.copy()
-        with np.errstate(over="ignore"):
-            coordinates[rows] = self._begin[rows] + offsets  # float64 until it is stored
-        if not np.isfinite(coordinates[rows]).all():
-            raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
-        self._store(coordinates)
+        self._store(self._placed(self._target.begin, positions, self._share))
+
+    def coordinates(self, positions: Array) -> np.ndarray:
+        """The mesh's coordinates, count x 3 float32 and object-local, in which it shows n x 2 positions.
+
+        Raises Refusal beyond what Blender can store.
+        """
+        return self._placed(self._target.shown.astype(np.float32), positions, np.ones_like(self._share))
+
+    def rest_coordinates(self) -> np.ndarray:
+        """The mesh's coordinates, count x 3 float32 and object-local, at rest."""
+        rest = self._rest_before[0] if self._rest_after is None else self._rest_after
+        assert rest is not None
+        return rest
 
     def write_rest(self) -> None:
-        """Take the pose away, to the bit: the mesh, or the posed key's own difference, goes back to rest."""
-        obj = self.resolve()
-        coordinates = self._begin.copy()
-        if not self._has_keys:
-            rest = self._rest_before[0] if self._rest_after is None else self._rest_after
+        """Take the pose away, to the bit: what is posed, or the posed key's difference, goes back to rest."""
+        rest = self._target.rest(self.resolve(), self.rest_coordinates())
+        if rest is not None:
+            coordinates = self._target.begin.copy()
             coordinates[self.vertex_indices] = rest[self.vertex_indices]
-        elif self._begin_key is not None:
-            under = shape_keys.read_points(shape_keys.under_posed_key(obj).data, self._count)
-            coordinates[self.vertex_indices] = under[self.vertex_indices]
-        else:
-            return  # the Basis is the rest
-        self._store(coordinates)
+            self._store(coordinates)
 
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
         obj = self.resolve()
-        if self._added_key is not None:
-            index = list(obj.data.shape_keys.key_blocks).index(obj.data.shape_keys.reference_key)
-            obj.shape_key_remove(obj.data.shape_keys.key_blocks[self._added_key])
-            obj.active_shape_key_index = index
-            self._added_key = None
-            obj.data.update()
-        else:
-            self._points(obj).foreach_set("co", self._begin.ravel())
-            obj.data.update()
+        self._target.restore(obj)
+        obj.data.update()
         if self._rest_written:
             rest_store.put_back(obj.data, *self._rest_before)
             self._rest_written = False
 
+    def _placed(self, begin: np.ndarray, positions: Array, share: Array) -> np.ndarray:
+        moved = np.flatnonzero(np.any(positions != self.positions, axis=1))
+        offsets = mapped(self.frame.lift(positions[moved] - self.positions[moved]), self._inverse)
+        offsets /= share[moved]
+        rows = self.vertex_indices[moved]
+        coordinates = begin.copy()
+        with np.errstate(over="ignore"):
+            coordinates[rows] = begin[rows] + offsets  # float64 until it is stored
+        if not np.isfinite(coordinates[rows]).all():
+            raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
+        return coordinates
+
     def _store(self, coordinates: np.ndarray) -> None:
         obj = self.resolve()
-        if self._has_keys and self._begin_key is None and self._added_key is None:
-            self._added_key = shape_keys.add_pose_key(obj).name
-        if self._rest_after is not None and not self._rest_written:
+        if self._in_mesh and self._rest_after is not None and not self._rest_written:
             rest_store.write(obj.data, self._rest_after)
             self._rest_written = True
-        self._points(obj).foreach_set("co", coordinates.ravel())
+        self._target.store(obj, coordinates)
         obj.data.update()
-
-    def _points(self, obj: bpy.types.Object) -> bpy.types.bpy_prop_collection:
-        if not self._has_keys:
-            return obj.data.vertices
-        key = obj.data.shape_keys.key_blocks.get(self._added_key or self._begin_key)
-        if key is None:
-            raise ObjectGone("The shape key that was posed is gone")
-        return key.data
 
     def resolve(self) -> bpy.types.Object:
         """The object that was read. Raises ObjectGone if it, its mesh or its mode is another one by now."""
@@ -256,7 +242,7 @@ class SceneCutout:
         mesh = obj.data
         if mesh.session_uid != self._mesh_uid or len(mesh.vertices) != self._count or obj.mode != "OBJECT":
             raise ObjectGone(f"The mesh of '{self.object_name}' has changed")
-        if (mesh.shape_keys is not None) != self._has_keys:
+        if not self._target.is_there(obj):
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
         return obj
 
@@ -294,7 +280,7 @@ class SceneCutout:
             depth = np.where(counts > 0, sums / np.maximum(counts, 1), own)[parts]
             placed = mapped(frame.lift(flat) + np.outer(depth, frame.n), self._inverse)
             rest[~known] = placed[~known]
-        if changed and not self._has_keys:
+        if changed and self._in_mesh:
             self._rest_after = stored.copy()
             self._rest_after[used] = rest
         return flat

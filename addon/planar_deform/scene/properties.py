@@ -15,6 +15,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from . import sequence
+
 KINDS = (
     ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
     ("PATCH", "Patch", "Holds all vertices of the group rigidly, and can be turned"),
@@ -54,6 +56,19 @@ class PlanarPin(bpy.types.PropertyGroup):
     has_target: BoolProperty(options={"HIDDEN"})
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
     reached: FloatVectorProperty(size=3, options={"HIDDEN"})
+
+
+def _rename_block(pose: PlanarPose, _context: bpy.types.Context) -> None:
+    block = sequence.block_of(pose.id_data, pose.at)
+    if block is not None and block.name != pose.name:
+        block.name = pose.name
+
+
+class PlanarPose(bpy.types.PropertyGroup):
+    """A keyed pose of the object's sequence."""
+
+    name: StringProperty(name="Name", description="Name of the pose and its shape key", update=_rename_block)
+    at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see scene/sequence.py
 
 
 class PlanarSettings(bpy.types.PropertyGroup):
@@ -98,9 +113,13 @@ class PlanarSettings(bpy.types.PropertyGroup):
         ),
     )
     show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
+    poses: CollectionProperty(type=PlanarPose)
+    active_pose: IntProperty(name="Active Pose", description="Pose that the panel's buttons act on")
+    # The active shape key when the sequence was begun; negative: there were none.
+    key_before: IntProperty(options={"HIDDEN"})
 
 
-CLASSES = (PlanarPin, PlanarSettings)
+CLASSES = (PlanarPin, PlanarPose, PlanarSettings)
 
 
 def register() -> None:

@@ -50,7 +50,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         seen = snapshot.of_active(context)
         reason = pose_refusal(obj) or (seen.refusal if seen is not None else None)
         if reason is not None:
-            _lines(layout, reason, "INFO", context)
+            lines(layout, reason, "INFO", context)
         if obj is None or obj.type != "MESH":
             return
         settings = obj.planar
@@ -105,7 +105,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         if shifting:
             names = ", ".join(shifting)
             text = f"Pins are shown without {names}: the drawing may be seen elsewhere"
-            _lines(layout, text, "INFO", context)
+            lines(layout, text, "INFO", context)
 
 
 class PLANAR_PT_stiffness(PlanarPanel, bpy.types.Panel):
@@ -118,9 +118,9 @@ class PLANAR_PT_stiffness(PlanarPanel, bpy.types.Panel):
         layout.prop_search(obj.planar, "stiffness_group", obj, "vertex_groups", text="")
         if stiffness.missing(obj):
             text = "There is no group of this name: choose one, or clear the field"
-            _lines(layout, text, "ERROR", context)
+            lines(layout, text, "ERROR", context)
         if obj.mode == "WEIGHT_PAINT":
-            _lines(layout, "Paint 1 where it is stiff, 0 where it is soft; 0.5 is neutral", "INFO", context)
+            lines(layout, "Paint 1 where it is stiff, 0 where it is soft; 0.5 is neutral", "INFO", context)
             layout.operator("object.mode_set", text="Done", icon="CHECKMARK").mode = "OBJECT"
         else:
             layout.operator("planar.paint_stiffness", icon="BRUSH_DATA")
@@ -169,10 +169,10 @@ def _draw_pin(layout, context, pin, index):
         split.label(text=f"{math.degrees(place.angle):.1f}°")
     gap = float(np.linalg.norm(place.target - place.place))
     if gap > SHOWN_GAP * max(obj.dimensions):
-        _lines(layout, f"{gap:.4g} from where it was asked to be", "ERROR", context)
+        lines(layout, f"{gap:.4g} from where it was asked to be", "ERROR", context)
 
 
-def _lines(layout, text, icon, context):
+def lines(layout, text, icon, context):
     """A message as wide as the sidebar."""
     width = max(12, int(context.region.width / (7.0 * context.preferences.system.ui_scale)) - 4)
     words, lines = text.split(), [""]

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keying what is shown: by command, and by auto-key at the end of an action."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..scene import sequence
+from ..scene.access import begin
+
+
+def key_shown(context: bpy.types.Context) -> None:
+    """Key the shape that the active object shows at the present frame. Raises Refusal."""
+    scene = begin(context)
+    sequence.put(scene, {context.scene.frame_current_final: scene.positions})
+
+
+def auto_key(context: bpy.types.Context) -> None:
+    """After an action: key the pose if auto-key is on and what it would key is not keyed already.
+
+    As with any property of Blender: a mode that only replaces keys, and the preference to insert keys only
+    where there are some, leave an object without a sequence alone; so does whatever would be refused.
+    """
+    obj, tools = context.object, context.scene.tool_settings
+    if not tools.use_keyframe_insert_auto:
+        return
+    ours = sequence.is_ours(obj)
+    if ours and not sequence.unkeyed(obj):
+        return  # it went into a keyed pose
+    frame = context.scene.frame_current_final
+    if tools.auto_keying_mode == "REPLACE_KEYS" and sequence.pose_at(obj, frame) is None:
+        return
+    if not ours and context.preferences.edit.use_keyframe_insert_available:
+        return
+    if sequence.refusal(obj) is None:
+        key_shown(context)

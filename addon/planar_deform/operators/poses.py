@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keyed poses: made, shown again, taken away."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import IntProperty
+
+from ..scene import sequence
+from ..scene.access import Refusal, pose_refusal
+from .keying import key_shown
+from .posing_operator import PosingOperator
+
+
+class PLANAR_OT_key_pose(PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.key_pose"
+    bl_label = "Key Pose"
+    bl_description = "Keep the pose that is shown as the pose of the current frame"
+
+    @classmethod
+    def poll(cls, context):
+        reason = pose_refusal(context.object) or sequence.refusal(context.object)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def apply(self, context):
+        key_shown(context)
+
+
+class PoseListOperator(PosingOperator):
+    """Works on the poses of an object that has some."""
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.object
+        reason = pose_refusal(obj)
+        if reason is None and not sequence.is_ours(obj):
+            reason = "No poses are keyed: use Key Pose first"
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+
+class OnePoseOperator(PoseListOperator):
+    """Works on one pose."""
+
+    pose: IntProperty(
+        name="Pose", description="Index of the pose; the active one if negative", default=-1, min=-1
+    )
+
+    def apply(self, context):
+        settings = context.object.planar
+        pose = settings.active_pose if self.pose < 0 else self.pose
+        if not 0 <= pose < len(settings.poses):
+            raise Refusal(f"There is no pose {pose}: the object has {len(settings.poses)}")
+        self.act(context, pose)
+
+
+class PLANAR_OT_delete_pose(OnePoseOperator, bpy.types.Operator):
+    bl_idname = "planar.delete_pose"
+    bl_label = "Delete Pose"
+    bl_description = "Take a pose and its keys away; with the last one, the object is as it was before them"
+
+    def act(self, context, pose):
+        sequence.remove(context.object, pose)
+
+
+class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
+    bl_idname = "planar.jump_to_pose"
+    bl_label = "Jump to Pose"
+    bl_description = "Go to the frame of a pose"
+
+    def act(self, context, pose):
+        obj = context.object
+        frames = sequence.frames_of(obj).get(pose)
+        if not frames:
+            raise Refusal(f"Pose '{obj.planar.poses[pose].name}' has no key on the curve: delete it")
+        obj.planar.active_pose = pose
+        frame = int(frames[0] // 1)
+        context.scene.frame_set(frame, subframe=frames[0] - frame)
+
+
+class PLANAR_OT_clear_poses(PoseListOperator, bpy.types.Operator):
+    bl_idname = "planar.clear_poses"
+    bl_label = "Clear Poses"
+    bl_description = "Take all poses away: the object is as it was before the first one was keyed"
+
+    def apply(self, context):
+        sequence.clear(context.object)
+
+
+CLASSES = (PLANAR_OT_key_pose, PLANAR_OT_delete_pose, PLANAR_OT_jump_to_pose, PLANAR_OT_clear_poses)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of keyed poses in the sidebar tab."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..scene import sequence
+from ..scene.access import pose_refusal
+from .panel import PlanarPanel, lines
+
+
+class PLANAR_UL_poses(bpy.types.UIList):
+    bl_idname = "PLANAR_UL_poses"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_propname, index):
+        row = layout.row(align=True)
+        row.prop(item, "name", text="", emboss=False, icon="SHAPEKEY_DATA")
+        frames = sequence.frames_of(item.id_data).get(index)
+        text = ", ".join(f"{frame:g}" for frame in frames) if frames else "no frame"
+        side = row.row()
+        side.alignment = "RIGHT"
+        side.label(text=text)
+
+
+class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
+    bl_label = "Poses"
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type == "MESH"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = context.object
+        ours = sequence.is_ours(obj)
+        if ours:
+            row = layout.row()
+            row.template_list("PLANAR_UL_poses", "", obj.planar, "poses", obj.planar, "active_pose", rows=4)
+            column = row.column(align=True)
+            column.operator("planar.jump_to_pose", text="", icon="EYEDROPPER").pose = -1
+            column.operator("planar.delete_pose", text="", icon="REMOVE").pose = -1
+            column.separator()
+            column.operator("planar.clear_poses", text="", icon="TRASH")
+        layout.operator("planar.key_pose", icon="KEY_HLT")
+        if ours and sequence.unkeyed(obj):
+            lines(layout, "The pose shown is not keyed: the next frame change takes it away", "INFO", context)
+        elif pose_refusal(obj) is None and (reason := sequence.refusal(obj)) is not None:
+            lines(layout, reason, "INFO", context)
+
+
+CLASSES = (PLANAR_UL_poses, PLANAR_PT_poses)
