@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty
-from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
 
+from ..model.frame import Array
+from ..scene import snapshot
 from ..scene.access import Refusal, begin
+from ..scene.view import pin_under, ray
 
 
 class PLANAR_OT_click(bpy.types.Operator):
@@ -27,8 +28,13 @@ class PLANAR_OT_click(bpy.types.Operator):
         if view is None:
             return {"PASS_THROUGH"}
         mouse = (event.mouse_region_x, event.mouse_region_y)
-        origin = region_2d_to_origin_3d(region, view, mouse)
-        direction = region_2d_to_vector_3d(region, view, mouse)
+        seen = snapshot.of_active(context)
+        pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
+        if pin is not None and not self.add:
+            # Its gizmo has not lit up: the event that ended a drag's settling comes right here.
+            bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True, pin=pin)
+            return {"FINISHED"}
+        origin, direction = ray(region, view, mouse)
         if self.add:
             return self._add(context, origin, direction)
         other = _object_under(context, origin, direction)
@@ -42,7 +48,7 @@ class PLANAR_OT_click(bpy.types.Operator):
     def _add(self, context, origin, direction):
         try:
             scene = begin(context)
-            point = scene.pick(np.array(origin, dtype=np.float64), np.array(direction, dtype=np.float64))
+            point = scene.pick(origin, direction)
             if point is None:
                 raise Refusal(
                     f"'{scene.object_name}' is not under the mouse: click a layer to make it active"
@@ -66,8 +72,9 @@ class PLANAR_OT_click(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _object_under(context: bpy.types.Context, origin: Vector, direction: Vector) -> bpy.types.Object | None:
+def _object_under(context: bpy.types.Context, start: Array, towards: Array) -> bpy.types.Object | None:
     """The first selectable object that a ray meets."""
+    origin, direction = Vector(start), Vector(towards)
     depsgraph = context.evaluated_depsgraph_get()
     for _ in context.scene.objects:
         hit, place, _normal, _index, obj, _matrix = context.scene.ray_cast(depsgraph, origin, direction)

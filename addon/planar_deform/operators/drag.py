@@ -10,12 +10,12 @@ import math
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
-from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
 from .. import native
 from ..model.drag import Drag, Mode, Point
 from ..model.posing import Sample, Solved, carried_path
 from ..scene.access import Refusal
+from ..scene.view import ray
 from .action import SceneAction
 from .interactive import PASSED_ON, Interactive, Session
 
@@ -180,9 +180,7 @@ class PinTransform(Interactive):
         if region is None or view is None:
             return None
         mouse = (event.mouse_x - region.x + aside, event.mouse_y - region.y)
-        origin = np.array(region_2d_to_origin_3d(region, view, mouse), dtype=np.float64)
-        direction = np.array(region_2d_to_vector_3d(region, view, mouse), dtype=np.float64)
-        point = self._action.scene.plane_from_ray(origin, direction, self._action.part())
+        point = self._action.scene.plane_from_ray(*ray(region, view, mouse), self._action.part())
         return None if point is None else (float(point[0]), float(point[1]))
 
     def _confirm(self):

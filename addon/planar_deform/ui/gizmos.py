@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-import math
-
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
 from ..scene import snapshot
+from ..scene.view import REACH, pixels_to
 from . import marks
 from .tool_state import pose_tool_is_active
 
-REACH = 12.0  # pixels at a UI scale of 1 from the middle of a pin within which the mouse is on it
 SHOWN_GAP = 3.0  # pixels from its target below which a pin counts as there
 
 
@@ -27,11 +25,10 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
         """Whether the mouse is on this pin and on no other one more closely."""
         if self.mark is None:
             return -1
-        mouse = Vector(location)
-        own = _distance(context, self.mark, mouse)
+        own = _distance(context, self.mark, location)
         if own > REACH * context.preferences.system.ui_scale:
             return -1
-        nearer = (_distance(context, mark, mouse) < own for mark in self.all_marks)
+        nearer = (_distance(context, mark, location) < own for mark in self.all_marks)
         return -1 if any(nearer) else 0
 
     def draw(self, context):
@@ -102,8 +99,7 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
 
 def _distance(context, mark, mouse):
     """How many pixels the mouse is from a pin."""
-    place = location_3d_to_region_2d(context.region, context.region_data, Vector(mark.place))
-    return math.inf if place is None else (place - mouse).length
+    return pixels_to(context.region, context.region_data, mark.place, mouse)
 
 
 CLASSES = (PLANAR_GT_pin, PLANAR_GGT_pins)
