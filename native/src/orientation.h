@@ -14,6 +14,9 @@ class Orientation {
   /// float32 makes of their coordinates, are not judged.
   Orientation(const Points& rest, const Triangles& triangles);
 
+  /// Whether triangle t is judged.
+  bool judges(int t) const { return sign_[static_cast<std::size_t>(t)] != 0.0; }
+
   /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.
   void measure(const Points& x, std::vector<double>& area) const;
 

@@ -6,6 +6,7 @@
 
 #include "akvf_method.h"
 #include "checks.h"
+#include "hold_method.h"
 #include "orientation.h"
 #include "posing_method.h"
 
@@ -15,7 +16,8 @@ namespace {
 
 std::unique_ptr<PosingMethod> make_method(const Points& rest, const Triangles& triangles,
                                           const PoserOptions& options) {
-  if (options.method == PoserMethod::hold) throw std::invalid_argument("method hold is not available yet");
+  if (options.method == PoserMethod::hold)
+    return std::make_unique<HoldMethod>(rest, triangles, options.stiffness);
   return std::make_unique<AkvfMethod>(rest, triangles, options.stiffness);
 }
 

@@ -88,7 +88,7 @@ TEST_P(Character, ReachesItsPoseWithoutFlips) {
   const Points targets = start + poses.at(2 * GetParam().number + 1) - source;
   const double diagonal = (shape.vertices.colwise().maxCoeff() - shape.vertices.colwise().minCoeff()).norm();
 
-  Poser poser(shape.vertices, shape.triangles);
+  Poser poser(shape.vertices, shape.triangles, {.method = PoserMethod::akvf});
   poser.set_handles(handles);
   for (int step = 1; step <= 40; ++step) {
     poser.move(start + (targets - start) * (step / 40.0));

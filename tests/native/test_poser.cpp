@@ -15,6 +15,8 @@ namespace {
 
 constexpr double rounding = 1e-12;
 
+const PoserOptions akvf{.method = PoserMethod::akvf};
+
 double difference(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff(); }
 
 /// A bar of 25×6 vertices, 4 long and 1 wide.
@@ -38,7 +40,7 @@ class Bar : public ::testing::Test {
       : shape(bar()),
         handles(at(shape, {50, 62, 74})),
         rest(handles.positions(shape.vertices)),
-        poser(shape.vertices, shape.triangles) {
+        poser(shape.vertices, shape.triangles, akvf) {
     poser.set_handles(handles);
   }
   Shape shape;
@@ -158,7 +160,7 @@ TEST_F(Bar, RefusedTargetsKeepTheState) {
   EXPECT_EQ(poser.positions(), before);
   EXPECT_EQ(poser.report().furthest_handle, report.furthest_handle);
   // The handles are still those of before, and so are the targets.
-  Poser other(shape.vertices, shape.triangles);
+  Poser other(shape.vertices, shape.triangles, akvf);
   other.set_handles(handles);
   targets = rest;
   targets.row(2) += Eigen::RowVector2d(0.3, 0.5);
@@ -195,7 +197,7 @@ TEST_F(Bar, ResetGoesBackOrContinuesFromGivenPositions) {
 TEST_F(Bar, TheSameInputGivesTheSameBitsInAnyThread) {
   const auto run = [&](Points& result) {
     const Shape large = grid(40);
-    Poser own(large.vertices, large.triangles);
+    Poser own(large.vertices, large.triangles, akvf);
     const Handles pins = at(large, {0, 820, 1599});
     own.set_handles(pins);
     Points targets = pins.positions(large.vertices);
@@ -218,8 +220,8 @@ TEST_F(Bar, PatchesShareOnePinsWeight) {
   // A patch of four handles pulls against two others as strongly as a single handle of the same weight would
   // in its place.
   Handles five = at(shape, {0, 74, 73, 49, 99, 24});
-  Poser grouped(shape.vertices, shape.triangles, {.pin_weight = 2.0}),
-      weighted(shape.vertices, shape.triangles, {.pin_weight = 2.0});
+  Poser grouped(shape.vertices, shape.triangles, {.method = PoserMethod::akvf, .pin_weight = 2.0}),
+      weighted(shape.vertices, shape.triangles, {.method = PoserMethod::akvf, .pin_weight = 2.0});
   Eigen::VectorXi groups(6);
   groups << 5, 7, 7, 7, 7, -3;
   grouped.set_handles(five, {}, groups);
@@ -229,7 +231,7 @@ TEST_F(Bar, PatchesShareOnePinsWeight) {
   Points targets = five.positions(shape.vertices);
   targets.middleRows(1, 4).col(1).array() += 0.02;
   EXPECT_EQ(grouped.move(targets), weighted.move(targets));
-  Poser heavy(shape.vertices, shape.triangles, {.pin_weight = 2.0});
+  Poser heavy(shape.vertices, shape.triangles, {.method = PoserMethod::akvf, .pin_weight = 2.0});
   heavy.set_handles(five);
   EXPECT_GT(five.positions(heavy.move(targets))(1, 1), five.positions(grouped.positions())(1, 1));
 }
@@ -245,7 +247,7 @@ TEST_F(Bar, APatchInsideIsTurnedWithTheMeshRoundIt) {
   }
   const Handles pins = at(square, pinned);
   const Eigen::Map<Eigen::VectorXi> groups(label.data(), static_cast<Eigen::Index>(label.size()));
-  Poser turning(square.vertices, square.triangles);
+  Poser turning(square.vertices, square.triangles, akvf);
   turning.set_handles(pins, {}, groups);
   Points targets = pins.positions(square.vertices);
   targets.rowwise() -= Eigen::RowVector2d(0.5, 0.5);
@@ -271,7 +273,7 @@ TEST(Poser, StiffTrianglesBendLess) {
   targets.row(2) << 2.0 + 2.0 * std::cos(0.6),
       0.4 + 2.0 * std::sin(0.6);  // the stiff half can follow rigidly
   const auto bending = [&](const Eigen::VectorXd& factors) {
-    Poser poser(shape.vertices, shape.triangles, {.stiffness = factors});
+    Poser poser(shape.vertices, shape.triangles, {.method = PoserMethod::akvf, .stiffness = factors});
     poser.set_handles(handles);
     const Distortion d = distortion(shape.vertices, poser.move(targets), shape.triangles);
     double sum = 0.0;
@@ -287,7 +289,7 @@ TEST(Poser, PartsIsolatedVerticesAndHoles) {
   shape.vertices.conservativeResize(shape.vertices.rows() + 1, 2);
   shape.vertices.bottomRows(1) << 9, 9;
   const Handles handles = at(shape, {0, 8, 40, 66});  // two on the ring, one on the square, one isolated
-  Poser poser(shape.vertices, shape.triangles);
+  Poser poser(shape.vertices, shape.triangles, akvf);
   poser.set_handles(handles);
   Points targets = handles.positions(shape.vertices);
   targets.row(0) += Eigen::RowVector2d(0.2, 0.3);
@@ -307,7 +309,7 @@ TEST(Poser, DegenerateRestTrianglesAreCarriedAlong) {
   for (int i = 0; i < 16; ++i) shape.vertices(i, 1) = 0.0;
   shape.vertices.row(27) = shape.vertices.row(28);
   const Handles handles = at(shape, {0, 36, 63});
-  Poser poser(shape.vertices, shape.triangles);
+  Poser poser(shape.vertices, shape.triangles, akvf);
   poser.set_handles(handles);
   Points targets = handles.positions(shape.vertices);
   for (int i = 0; i < 10; ++i) {
@@ -321,7 +323,7 @@ TEST(Poser, DegenerateRestTrianglesAreCarriedAlong) {
 
 TEST(Poser, WithoutHandlesNothingMoves) {
   const Shape shape = grid(4);
-  Poser poser(shape.vertices, shape.triangles);
+  Poser poser(shape.vertices, shape.triangles, akvf);
   EXPECT_EQ(poser.move(Points(0, 2)), shape.vertices);
   EXPECT_EQ(poser.settle(), shape.vertices);
   EXPECT_TRUE(poser.report().converged);
@@ -329,7 +331,7 @@ TEST(Poser, WithoutHandlesNothingMoves) {
 
 TEST(Poser, MovesAsAnObject) {
   const Shape shape = grid(4);
-  Poser first(shape.vertices, shape.triangles);
+  Poser first(shape.vertices, shape.triangles, akvf);
   first.set_handles(at(shape, {5}));
   Poser second = std::move(first);
   const Points target = shape.vertices.row(5) + Eigen::RowVector2d(1.0, 1.0);

@@ -15,7 +15,7 @@ enum class PoserMethod {
 };
 
 struct PoserOptions {
-  PoserMethod method = PoserMethod::akvf;
+  PoserMethod method = PoserMethod::hold;
   std::optional<double> pin_weight{};  ///< λ² of a pin, dimensionless, above 0; by default the method's own
   Eigen::VectorXd stiffness{};         ///< m factors above 0 on the triangles' energy, or empty: all 1
 };
