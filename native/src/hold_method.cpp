@@ -146,7 +146,7 @@ bool HoldMethod::follow_rigidly(double limit, Points& x) {
     Fit& fit = fits[at(mesh_.part[at(v)])];
     if (!(fit.after <= worth_following * fit.before)) fit.weight = 0.0;
     if (fit.weight == 0.0) continue;
-    constexpr double way =
+    const double way =
         std::abs(fit.target - fit.centre) + std::abs(fit.angle) * std::abs(complex(x.row(v)) - fit.centre);
     furthest = std::max(furthest, way);
   }
