@@ -18,7 +18,7 @@ REST = 0.03
 
 
 class StoppedError(RuntimeError):
-    """Something else was to be solved meanwhile."""
+    """Another action has begun meanwhile."""
 
 
 class Solving:
@@ -68,7 +68,7 @@ class Solving:
             if self._error is not None:
                 raise self._error
             if self._stopped:
-                raise StoppedError("the drawing has been posed by something else")
+                raise StoppedError("another action has begun")
             solved, self._solved = self._solved, None
             return solved
 
@@ -150,8 +150,14 @@ class Solving:
 _last: Solving | None = None
 
 
+def interrupt() -> None:
+    """Stop whatever is being solved in a thread: another action begins."""
+    if _last is not None:
+        _last.stop()
+
+
 def halt() -> None:
-    """End whatever is being solved in a thread: the caller needs the solvers for itself."""
+    """The same, and wait for it: the caller needs the solvers for itself."""
     global _last
     last, _last = _last, None
     if last is not None:

@@ -13,6 +13,7 @@ from ..model.pins import Holder
 from ..model.posing import PinResult, PoseAction, Sample, Solved
 from ..scene import pins, snapshot
 from ..scene.access import Refusal, begin
+from . import keying
 
 
 def selection_on_press(selected: set[int], pin: int, extend: bool) -> set[int]:
@@ -77,7 +78,7 @@ class SceneAction:
         return int(self.scene.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
 
     def run(self, path: list[Sample], *, settle: bool) -> None:
-        """Take the pins along a path, here and now; show its end and keep it."""
+        """Take the pins along a path, here and now, and end with what is reached."""
         solving.halt()
         for sample in path:
             self.pose.move(*sample)
@@ -85,7 +86,7 @@ class SceneAction:
             self.pose.settle()
         solved = self.pose.solved()
         self._write(solved.positions)
-        self.keep(solved)
+        self.finish(solved)
 
     def show(self, solved: Solved) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
@@ -99,6 +100,12 @@ class SceneAction:
     def keep(self, solved: Solved) -> None:
         """Let the pins hold the drawing where this, which is shown, left it."""
         pins.store_results(self.scene.resolve(), self.scene, solved.results)
+
+    def finish(self, solved: Solved) -> None:
+        """End it with this, which is shown; auto-key keys it."""
+        self.keep(solved)
+        if bpy.context.object == self.scene.resolve():
+            keying.auto_key(bpy.context)
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""

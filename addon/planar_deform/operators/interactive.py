@@ -11,6 +11,7 @@ import contextlib
 import traceback
 
 import bpy
+from bpy.app.handlers import persistent
 
 from .. import native
 from ..model import solving
@@ -194,7 +195,7 @@ class Interactive:
     def finish(self):
         """End it with what is shown."""
         session = self._session
-        session.action.keep(session.shown)
+        session.action.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
         return {"FINISHED"}
@@ -204,7 +205,24 @@ class Interactive:
         self._session.end()
 
 
+@persistent
+def _interrupt(*_):
+    """Undo in another window, another file: what is solved belongs to data that go."""
+    solving.interrupt()
+
+
+_HANDLERS = ("undo_pre", "redo_pre", "load_pre")
+
+
+def register() -> None:
+    """Listen to what ends a drag from outside."""
+    for name in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(_interrupt)
+
+
 def unregister() -> None:
     """The add-on is turned off, perhaps in the middle of a drag."""
+    for name in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(_interrupt)
     if _running is not None:
         _running.abandon()

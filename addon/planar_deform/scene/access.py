@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ..model import solving
 from ..model.cutout import Cutout, diagonal_of, make_cutout, signed_areas
 from ..model.frame import Array, Indices, PlaneFrame, mapped, plane_frame
 from ..model.locate import MeshPoint, nearest_point
@@ -48,8 +49,11 @@ def pose_refusal(obj: bpy.types.Object | None) -> str | None:
 def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneCutout:
     """The active object read at the start of an action, its transforms up to date. Raises Refusal.
 
+    A drag that still is on, as during a script, ends with what it shows.
+
     `unkeyed`: what the action writes is shown, and never becomes a keyed pose by itself.
     """
+    solving.interrupt()
     context.view_layer.update()
     return read_cutout(context.object, unkeyed=unkeyed)
 
