@@ -76,7 +76,7 @@ class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
         frames = sequence.frames_of(obj).get(pose)
         if not frames:
             raise Refusal(f"Pose '{obj.planar.poses[pose].name}' has no key on the curve: delete it")
-        obj.planar.active_pose = pose
+        sequence.activate(obj, pose)
         frame = int(frames[0] // 1)
         context.scene.frame_set(frame, subframe=frames[0] - frame)
 

@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import sequence
+from .pose_blocks import block_at
 
 KINDS = (
     ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
@@ -59,7 +59,7 @@ class PlanarPin(bpy.types.PropertyGroup):
 
 
 def _rename_block(pose: PlanarPose, _context: bpy.types.Context) -> None:
-    block = sequence.block_of(pose.id_data, pose.at)
+    block = block_at(pose.id_data.data.shape_keys, pose.at)
     if block is not None and block.name != pose.name:
         block.name = pose.name
 

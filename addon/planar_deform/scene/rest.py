@@ -8,7 +8,7 @@ import random
 import bpy
 import numpy as np
 
-from . import shape_keys
+from . import sequence, shape_keys
 from .errors import Refusal
 
 REST = "planar_rest"
@@ -71,14 +71,20 @@ def ensure(obj: bpy.types.Object) -> None:
 def set_to_current(obj: bpy.types.Object) -> None:
     """Take the current shape as rest shape.
 
-    With shape keys what the posed key adds to the shown shape goes into the Basis, the other keys move along
-    with it, and the posed key adds nothing any more: what is shown stays the same. Raises Refusal, with
-    nothing changed.
+    With a pose sequence it becomes the Basis. With relative keys what the posed key adds to the shown shape
+    goes into the Basis, the other keys move along with it, and the posed key adds nothing any more: what is
+    shown stays the same. Raises Refusal, with nothing changed.
     """
     mesh = obj.data
     count = len(mesh.vertices)
     if mesh.shape_keys is None:
         write(mesh, shape_keys.read_points(mesh.vertices, count))
+        return
+    if not mesh.shape_keys.use_relative:
+        shown = sequence.shown_points(obj)  # the poses stay as they are, wherever the rest is
+        mesh.shape_keys.reference_key.data.foreach_set("co", shown.ravel())
+        mesh.vertices.foreach_set("co", shown.ravel())
+        mesh.update()
         return
     posed = shape_keys.posed_key(obj)
     if posed is None:

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The absolute shape keys of a pose sequence, and the curve that plays them; scene/sequence.py tells how."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from . import compat, shape_keys
+
+# Places of blocks: what eval_time has to be to show them. Blender keeps a place divided by 100 in float32,
+# and puts a new block at eval_time unless one is within 0.1 of that, or unless it is 10 above the last block.
+FIRST = 1024.0
+SPACING = 8.0
+HOLD = 500_000.0
+SCRATCH = 1_000_000.0
+SAME_PLACE = 0.05
+SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
+
+
+def places(keys: bpy.types.Key) -> np.ndarray:
+    """Where each block is, in order."""
+    found = np.empty(len(keys.key_blocks), np.float32)
+    keys.key_blocks.foreach_get("frame", found)
+    return found.astype(np.float64)
+
+
+def block_at(keys: bpy.types.Key | None, place: float) -> bpy.types.ShapeKey | None:
+    """The block at a place."""
+    if keys is None:
+        return None
+    distances = np.abs(places(keys) - place)
+    nearest = int(distances.argmin())
+    return keys.key_blocks[nearest] if distances[nearest] < SAME_PLACE else None
+
+
+def add(obj: bpy.types.Object, name: str, place: float, points: np.ndarray) -> bpy.types.ShapeKey:
+    """Add a block of count x 3 coordinates at a place. Moves eval_time there."""
+    obj.data.shape_keys.eval_time = place
+    block = obj.shape_key_add(name=name, from_mix=False)
+    block.interpolation = "KEY_LINEAR"
+    block.data.foreach_set("co", points.ravel())
+    return block
+
+
+def take_out(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> None:
+    """Remove a block; the active one stays active, unless it is this one."""
+    active, index = obj.active_shape_key_index, obj.data.shape_keys.key_blocks.find(block.name)
+    obj.shape_key_remove(block)
+    obj.active_shape_key_index = max(0, active - (index <= active))  # any removal makes Blender move on
+
+
+def played(keys: bpy.types.Key) -> list[bpy.types.ShapeKey]:
+    """The blocks of the played range."""
+    return [
+        block
+        for block, at in zip(keys.key_blocks, places(keys), strict=True)
+        if FIRST - SAME_PLACE < at < HOLD
+    ]
+
+
+def points_of(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
+    """A block's coordinates, count x 3 float32. Raises Refusal."""
+    return shape_keys.read_points(block.data, len(obj.data.vertices))
+
+
+def shown_curve(keys: bpy.types.Key | None) -> bpy.types.FCurve | None:
+    """The curve that plays the blocks, to be read."""
+    curves = None if keys is None else compat.curves_of(keys.animation_data)
+    return None if curves is None else curves.find("eval_time")
+
+
+def own_curve(keys: bpy.types.Key) -> bpy.types.FCurve | None:
+    """The curve that plays the blocks, to be changed: a duplicated object may use the same action."""
+    if keys.animation_data is not None and keys.animation_data.action is not None:
+        compat.make_single_user(keys.animation_data)
+    return shown_curve(keys)
+
+
+def keyed(keys: bpy.types.Key | None) -> np.ndarray:
+    """Frame and value of each key of the curve, in time, k x 2 float32."""
+    curve = shown_curve(keys)
+    if curve is None:
+        return np.empty((0, 2), np.float32)
+    points = np.empty(len(curve.keyframe_points) * 2, np.float32)
+    curve.keyframe_points.foreach_get("co", points)
+    return points.reshape(-1, 2)

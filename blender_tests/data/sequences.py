@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Short ways to pose, key and read an object with a pose sequence."""
+
+import bpy
+import numpy as np
+from support import activate, coordinates, evaluated
+
+
+def go_to(frame):
+    bpy.context.scene.frame_set(int(frame // 1), subframe=frame % 1)
+
+
+def write(obj, seed):
+    """A pose of the shown shape with its own bits, and small enough to keep the mesh whole; what it shows."""
+    from planar_deform.scene.access import begin
+
+    activate(obj)
+    scene = begin(bpy.context)
+    scene.write(scene.positions + np.random.default_rng(seed).uniform(-0.02, 0.02, scene.positions.shape))
+    return evaluated(obj)
+
+
+def key(obj, frame, seed=None):
+    """Pose at a frame (unless there is no seed) and key it; what is shown, count x 3 float32."""
+    activate(obj)
+    go_to(frame)
+    if seed is not None:
+        write(obj, seed)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    return evaluated(obj)
+
+
+def shown_at(obj, frame):
+    go_to(frame)
+    return evaluated(obj)
+
+
+def same(a, b):
+    """Equal to the bit."""
+    return a.tobytes() == b.tobytes()
+
+
+def curve_of(obj):
+    from planar_deform.scene import compat
+
+    return compat.curves_of(obj.data.shape_keys.animation_data).find("eval_time")
+
+
+def timing(obj):
+    """Frame, value and interpolation of each key of the curve."""
+    curve = curve_of(obj)
+    return [] if curve is None else [(*point.co, point.interpolation) for point in curve.keyframe_points]
+
+
+def stored(obj):
+    """All that is stored of an object's shapes and their timing, as plain values."""
+    mesh, keys = obj.data, obj.data.shape_keys
+    attributes = {
+        name: coordinates(mesh.attributes[name].data, "vector").tobytes()
+        for name in ("planar_rest",)
+        if name in mesh.attributes
+    }
+    result = [coordinates(mesh.vertices).tobytes(), attributes, [(p.name, p.at) for p in obj.planar.poses]]
+    if keys is not None:
+        result += [
+            [
+                (
+                    b.name,
+                    b.frame,
+                    b.value,
+                    b.mute,
+                    b.vertex_group,
+                    b.relative_key.name,
+                    coordinates(b.data).tobytes(),
+                )
+                for b in keys.key_blocks
+            ],
+            (keys.use_relative, keys.eval_time, obj.active_shape_key_index),
+            None if keys.animation_data is None or keys.animation_data.action is None else timing(obj),
+        ]
+    return result
