@@ -60,6 +60,9 @@ class PinTransform(Interactive):
     extend: BoolProperty(
         name="Extend", description="Keep the other pins selected when one is pressed", options=HIDDEN
     )
+    release_confirm: BoolProperty(
+        name="Confirm on Release", description="End when the mouse button is released", options=HIDDEN
+    )
     path: StringProperty(name="Path", description="Way the mouse took, as recorded by a drag", options=HIDDEN)
     letters: StringProperty(default="XY", options=HIDDEN)  # names of the plane's axes, for the redo panel
 
@@ -115,7 +118,8 @@ class PinTransform(Interactive):
             return self.stop()
         if event.type == "LEFTMOUSE" and pressed and event.alt:
             return {"PASS_THROUGH"}  # drives the view in some keymaps
-        if event.type == "LEFTMOUSE" and (pressed or (event.value == "RELEASE" and self._press is not None)):
+        by_release = self.release_confirm or self._press is not None
+        if event.type == "LEFTMOUSE" and (pressed or (event.value == "RELEASE" and by_release)):
             return self._confirm()
         if event.type in CONFIRM and pressed:
             return self._confirm()

@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins under the mouse: each one is a gizmo that lights up and starts a drag when it is pressed."""
+"""Pins under the mouse, and the ring that turns them: gizmos that light up and start a drag when pressed."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import bpy
+import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
+from ..model.frame import Array
 from ..scene import snapshot
 from ..scene.view import REACH, pixels_to
 from . import marks
 from .tool_state import pose_tool_is_active
 
 SHOWN_GAP = 3.0  # pixels from its target below which a pin counts as there
+BESIDE_KNOB = 24.0  # pixels from the ring to the angle written beside it
+NEAR_RING = 6.0  # pixels within which the mouse is on the ring, where it is on no pin
 
 
 class PLANAR_GT_pin(bpy.types.Gizmo):
@@ -25,10 +32,10 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
         """Whether the mouse is on this pin and on no other one more closely."""
         if self.mark is None:
             return -1
-        own = _distance(context, self.mark, location)
+        own = _distance(context, self.mark.place, location)
         if own > REACH * context.preferences.system.ui_scale:
             return -1
-        nearer = (_distance(context, mark, location) < own for mark in self.all_marks)
+        nearer = (_distance(context, mark.place, location) < own for mark in self.all_marks)
         return -1 if any(nearer) else 0
 
     def draw(self, context):
@@ -50,12 +57,52 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
             if target is not None and (target - place).length > SHOWN_GAP * scale:
                 marks.draw_gap(place, target, scale)
             if pin.kind == "PATCH":
-                arm = Vector(mark.place + 0.01 * view.view_distance * mark.turned)
-                ahead = location_3d_to_region_2d(region, view, arm)
-                turned = ahead - place if ahead is not None else Vector((1.0, 0.0))
-                marks.draw_patch(place, turned, scale, fill, **state)
+                marks.draw_patch(place, _seen(context, mark.place, mark.turned), scale, fill, **state)
             else:
                 marks.draw_point(place, scale, fill, **state)
+
+
+@dataclass(frozen=True)
+class Ring:
+    """What is turned together."""
+
+    centre: Array  # (3,) in the world, about which it is turned
+    turned: Array | None  # a patch alone: the direction in the world that was u at rest
+    angle: float | None  # and how far it is turned from rest, in radians
+
+
+class PLANAR_GT_ring(bpy.types.Gizmo):
+    bl_idname = "PLANAR_GT_ring"
+
+    # What the ring is about, if anything; and where all pins of the view are.
+    __slots__ = ("all_marks", "ring")
+
+    def test_select(self, context, location):
+        """Whether the mouse is on the ring and on no pin."""
+        if self.ring is None:
+            return -1
+        scale = context.preferences.system.ui_scale
+        off = abs(_distance(context, self.ring.centre, location) - marks.RING * scale)
+        if off > NEAR_RING * scale:
+            return -1
+        pins = (_distance(context, mark.place, location) < REACH * scale for mark in self.all_marks)
+        return -1 if any(pins) else 0
+
+    def draw(self, context):
+        if self.ring is None:
+            return
+        region, ring = context.region, self.ring
+        centre = location_3d_to_region_2d(region, context.region_data, Vector(ring.centre))
+        if centre is None:
+            return
+        knob = Vector((0.0, 1.0)) if ring.turned is None else _seen(context, ring.centre, ring.turned)
+        scale = context.preferences.system.ui_scale
+        with marks.pixels(region):
+            marks.draw_ring(centre, knob, scale, lit=self.is_highlight or self.is_modal)
+            if ring.angle is not None:
+                x, y = centre + (marks.RING + BESIDE_KNOB) * scale * knob
+                y -= 0.35 * marks.TEXT * scale  # from the middle of the letters to their foot
+                marks.draw_text(x, y, f"{math.degrees(ring.angle):.1f}°", scale, centred=True)
 
 
 class PLANAR_GGT_pins(bpy.types.GizmoGroup):
@@ -71,6 +118,11 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
 
     def setup(self, context):
         self.all_marks = []
+        self.pins = []
+        self.ring = self.gizmos.new(PLANAR_GT_ring.bl_idname)
+        self.ring.all_marks = self.all_marks
+        self.ring.target_set_operator("planar.rotate_pins").release_confirm = True
+        self.ring.use_draw_modal = True
         self._match(context)
 
     def refresh(self, context):
@@ -80,29 +132,54 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
         self._match(context)
 
     def _match(self, context):
-        """A gizmo for each pin, where the pin is. What is left over is hidden, not removed: the one under the
-        mouse may be among them."""
+        """A gizmo for each pin, where the pin is, and the ring. What is left over is hidden, not removed: the
+        one under the mouse may be among them."""
         seen = snapshot.of_active(context)
         self.all_marks[:] = [] if seen is None else seen.pins
         found = {mark.key: mark for mark in self.all_marks}
-        while len(self.gizmos) <= max(found, default=-1):
+        while len(self.pins) <= max(found, default=-1):
             gizmo = self.gizmos.new(PLANAR_GT_pin.bl_idname)
-            gizmo.key, gizmo.all_marks = len(self.gizmos) - 1, self.all_marks
+            gizmo.key, gizmo.all_marks = len(self.pins), self.all_marks
             gizmo.target_set_operator("planar.drag_pins").pin = gizmo.key
             gizmo.use_draw_modal = True
-        for gizmo in self.gizmos:
+            self.pins.append(gizmo)
+        for gizmo in self.pins:
             gizmo.mark = found.get(gizmo.key)
             gizmo.hide = gizmo.mark is None
             if gizmo.mark is not None:
                 gizmo.matrix_basis = Matrix.Translation(Vector(gizmo.mark.place))
+        self.ring.ring = ring = _ring(context, self.all_marks)
+        self.ring.hide = ring is None
+        if ring is not None:
+            self.ring.matrix_basis = Matrix.Translation(Vector(ring.centre))
 
 
-def _distance(context, mark, mouse):
-    """How many pixels the mouse is from a pin."""
-    return pixels_to(context.region, context.region_data, mark.place, mouse)
+def _ring(context, all_marks):
+    """The ring about the selected pins that hold; None for a point alone, which cannot be turned."""
+    pins = context.object.planar.pins if all_marks else ()
+    chosen = [mark for mark in all_marks if pins[mark.key].select and pins[mark.key].enabled]
+    if len(chosen) > 1:
+        return Ring(np.mean([mark.target for mark in chosen], axis=0), None, None)
+    if chosen and pins[chosen[0].key].kind == "PATCH":
+        return Ring(chosen[0].target, chosen[0].turned, chosen[0].angle)
+    return None
 
 
-CLASSES = (PLANAR_GT_pin, PLANAR_GGT_pins)
+def _distance(context, place, mouse):
+    """How many pixels the mouse is from a place in the world."""
+    return pixels_to(context.region, context.region_data, place, mouse)
+
+
+def _seen(context, place, direction):
+    """Where a direction at a place in the world points on the screen, with length 1."""
+    region, view = context.region, context.region_data
+    start = location_3d_to_region_2d(region, view, Vector(place))
+    end = location_3d_to_region_2d(region, view, Vector(place + 0.01 * view.view_distance * direction))
+    points = start is not None and end is not None and end != start
+    return (end - start).normalized() if points else Vector((1.0, 0.0))
+
+
+CLASSES = (PLANAR_GT_pin, PLANAR_GT_ring, PLANAR_GGT_pins)
 
 
 def unregister() -> None:

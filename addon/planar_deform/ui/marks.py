@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The marks that stand for pins, drawn in pixels: a disc is a point, a square that turns is a patch."""
+"""Marks and words drawn in pixels. Of pins, a disc is a point, a square that turns is a patch."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import blf
 import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
@@ -14,6 +15,8 @@ from mathutils import Matrix, Vector
 
 RADIUS = 6.0  # pixels at a UI scale of 1, as all lengths here
 OUTLINE = 2.0
+RING = 36.0
+TEXT = 11.0
 
 # Light, dark-rimmed marks read on any drawing; selected ones have the orange that Blender's selections have.
 PLAIN = (0.90, 0.91, 0.93, 1.0)
@@ -68,6 +71,30 @@ def draw_patch(centre: Vector, turned: Vector, scale: float, fill: tuple, *, lit
         _rim("square", _SQUARE, radius * 0.92, scale, lit)
         if active:
             _shape("disc", _CIRCLE, radius * 0.36, RIM)
+
+
+def draw_ring(centre: Vector, knob: Vector, scale: float, *, lit: bool) -> None:
+    """The ring that turns pins, with a knob in a direction of length 1."""
+    radius, color = RING * scale, LIT if lit else SELECTED
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((centre.x, centre.y))
+        _outline("circle", _CIRCLE, radius, RIM, (2.5 if lit else 1.75) * OUTLINE * scale)
+        _outline("circle", _CIRCLE, radius, color, (1.25 if lit else 0.75) * OUTLINE * scale)
+        gpu.matrix.translate((knob.x * radius, knob.y * radius))
+        _shape("disc", _CIRCLE, RADIUS * 0.8 * scale, color)
+        _outline("circle", _CIRCLE, RADIUS * 0.8 * scale, RIM, OUTLINE * scale)
+
+
+def draw_text(x: float, y: float, text: str, scale: float, *, centred: bool = False) -> None:
+    """Words on the drawing."""
+    font = 0
+    blf.size(font, TEXT * scale)
+    blf.color(font, *PLAIN)
+    blf.enable(font, blf.SHADOW)
+    blf.shadow(font, 5, *RIM)
+    blf.position(font, x - 0.5 * blf.dimensions(font, text)[0] * centred, y, 0)
+    blf.draw(font, text)
+    blf.disable(font, blf.SHADOW)
 
 
 def draw_gap(place: Vector, target: Vector, scale: float) -> None:

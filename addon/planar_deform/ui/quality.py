@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import blf
 import bpy
 import gpu
 import numpy as np
@@ -13,6 +12,7 @@ from gpu_extras.batch import batch_for_shader
 
 from ..scene import snapshot
 from ..scene.snapshot import Snapshot
+from . import marks
 
 CLASSES = ()
 
@@ -39,8 +39,7 @@ FLIPPED = (0.80, 0.0, 0.85, 1.0)
 BAR = (180.0, 10.0)
 MARGIN, GAP = 16.0, 5.0
 BORDER = 3.0
-TEXT = 11.0
-BACK, INK = (0.08, 0.08, 0.09, 0.80), (0.92, 0.92, 0.92, 1.0)
+BACK = (0.08, 0.08, 0.09, 0.80)
 
 
 @dataclass(frozen=True)
@@ -127,7 +126,7 @@ def _draw_legend() -> None:
     assert seen.distortion is not None
     scale = context.preferences.system.ui_scale
     width, height = BAR[0] * scale, BAR[1] * scale
-    margin, gap, line = MARGIN * scale, GAP * scale, TEXT * scale * 1.35
+    margin, gap, line = MARGIN * scale, GAP * scale, marks.TEXT * scale * 1.35
     right = _right_edge(context) - margin
     left, bottom = right - width, margin
     rows = 4 if seen.distortion.flipped else 3
@@ -135,18 +134,18 @@ def _draw_legend() -> None:
     gpu.state.blend_set("ALPHA")
     _box(left - 2.0 * gap, bottom - gap, right + 3.0 * gap, top + gap, BACK)
     y = top - line
-    _text(left, y, f"{kind.title()} Distortion (2 is none)", scale)
+    marks.draw_text(left, y, f"{kind.title()} Distortion (2 is none)", scale)
     y -= gap + height
     _bar(left, y, width, height)
     y -= line
     for value, text in TICKS:
         x = left + float(share(value)) * width
-        _box(x - 0.5 * scale, y + line - 0.5 * gap, x + 0.5 * scale, y + line, INK)
-        _text(x, y, text, scale, centred=value > 2.0)
+        _box(x - 0.5 * scale, y + line - 0.5 * gap, x + 0.5 * scale, y + line, marks.PLAIN)
+        marks.draw_text(x, y, text, scale, centred=value > 2.0)
     if seen.distortion.flipped:
         y -= line
         _box(left, y, left + 1.5 * height, y + height, FLIPPED)
-        _text(left + 1.5 * height + gap, y, f"Flipped: {seen.distortion.flipped}", scale)
+        marks.draw_text(left + 1.5 * height + gap, y, f"Flipped: {seen.distortion.flipped}", scale)
     gpu.state.blend_set("NONE")
 
 
@@ -174,13 +173,6 @@ def _box(left: float, bottom: float, right: float, top: float, colour: tuple) ->
     shader.bind()
     shader.uniform_float("color", colour)
     batch.draw(shader)
-
-
-def _text(x: float, y: float, text: str, scale: float, *, centred: bool = False) -> None:
-    blf.size(0, TEXT * scale)
-    blf.color(0, *INK)
-    blf.position(0, x - 0.5 * blf.dimensions(0, text)[0] * centred, y, 0)
-    blf.draw(0, text)
 
 
 def register() -> None:
