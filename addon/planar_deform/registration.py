@@ -9,7 +9,7 @@ from functools import partial
 import bpy
 
 from .model import solver_cache
-from .operators import click, drag, interactive, pins, poses, rest, stiffness
+from .operators import click, drag, interactive, pins, pose_travel, poses, rest, settle, stiffness
 from .scene import follow, properties, snapshot
 from .ui import gizmos, overlay, panel, poses_panel, quality, tool
 
@@ -20,9 +20,11 @@ MODULES = (
     pins,
     rest,
     drag,
+    settle,
     click,
     stiffness,
     poses,
+    pose_travel,
     follow,
     snapshot,
     gizmos,

@@ -391,6 +391,7 @@ def test_auto_key_keys_what_was_posed(begun):
         key(obj, 1)
     tools = bpy.context.scene.tool_settings
     tools.use_keyframe_insert_auto = True
+    bpy.context.preferences.edit.use_keyframe_insert_available = False  # on in 5.2
     go_to(25)
     bpy.ops.planar.drag_pins(offset=(0.0, 0.3))
     posed = evaluated(obj)

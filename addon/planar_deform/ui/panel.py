@@ -101,6 +101,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("planar.reset_to_rest")
         row.operator("planar.set_rest_to_current")
+        layout.operator("planar.reset_selected_pins")
         shifting = modifiers.shifting(obj)
         if shifting:
             names = ", ".join(shifting)

@@ -44,6 +44,10 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             column.separator()
             column.operator("planar.clear_poses", text="", icon="TRASH")
         layout.operator("planar.key_pose", icon="KEY_HLT")
+        row = layout.row(align=True)
+        row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
+        row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
+        row.operator("planar.mirror_pose", text="Mirror", icon="MOD_MIRROR")
         if ours and sequence.unkeyed(obj):
             lines(layout, "The pose shown is not keyed: the next frame change takes it away", "INFO", context)
         elif pose_refusal(obj) is None and (reason := sequence.refusal(obj)) is not None:

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Poses on their way: to another object, to the other side, back to rest."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty
+
+from .. import native
+from ..model import solver_cache, solving
+from ..model.pin_reset import PinReset
+from ..model.pins import Holder
+from ..model.pose_copy import CopiedPose, copied, pasted
+from ..model.posing import PinResult
+from ..model.symmetry import NotSymmetricError, find_symmetry, partner_pins
+from ..scene import pins
+from ..scene.access import Refusal, begin
+from ..scene.connectivity import connectivity_of
+from .keying import auto_key
+from .posing_operator import PosingOperator
+
+_clipboard: CopiedPose | None = None  # as long as Blender runs, whatever files are opened
+
+
+class PLANAR_OT_copy_pose(PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.copy_pose"
+    bl_label = "Copy Pose"
+    bl_description = "Copy the pose that is shown, to be pasted on this or an equally built drawing"
+    bl_options = {"REGISTER"}
+
+    def apply(self, context):
+        global _clipboard
+        scene = begin(context)
+        connectivity = connectivity_of(context.object.data, scene.vertex_indices)
+        _clipboard = copied(connectivity, scene.cutout, scene.positions, _named(context.object, scene))
+
+
+class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.paste_pose"
+    bl_label = "Paste Pose"
+    bl_description = "Give the drawing the copied pose"
+
+    def apply(self, context):
+        if _clipboard is None:
+            raise Refusal("No pose has been copied: use Copy Pose first")
+        obj, scene = context.object, begin(context)
+        differs = connectivity_of(obj.data, scene.vertex_indices).difference(_clipboard.connectivity)
+        if differs is not None:
+            raise Refusal(f"The copied pose is of another mesh: this one has {differs}")
+        _show(context, scene, *pasted(_clipboard, scene.cutout, _named(obj, scene)))
+
+
+class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.mirror_pose"
+    bl_label = "Mirror Pose"
+    bl_description = "Turn the pose of a drawing that is symmetric at rest to the other side"
+
+    axis: EnumProperty(
+        name="Axis",
+        description="Which sides are swapped",
+        items=(
+            ("HORIZONTAL", "Left and Right", "Along the first axis of the drawing's plane"),
+            ("VERTICAL", "Top and Bottom", "Along the second axis of the drawing's plane"),
+        ),
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="How far the rest shape may be from symmetric, relative to its size",
+        default=0.01,
+        min=1e-6,
+        max=1.0,
+        precision=4,
+    )
+
+    def apply(self, context):
+        obj, scene = context.object, begin(context)
+        rest, tolerance = scene.cutout.rest, self.tolerance * scene.cutout.diagonal
+        edges = connectivity_of(obj.data, scene.vertex_indices).edges()
+        try:
+            symmetry = find_symmetry(rest, edges, int(self.axis == "VERTICAL"), tolerance)
+        except NotSymmetricError as error:
+            raise Refusal(f"The rest shape is not symmetric: {error}") from error
+        positions = symmetry.mirrored(scene.positions)
+        holders = [holder for _, holder in _named(obj, scene)]
+        results = []
+        for index, partner in partner_pins(holders, rest, symmetry, tolerance).items():
+            holder, other = holders[index], holders[partner].pin
+            if other.target is not None:
+                target = symmetry.reflected(other.target)
+                place = holder.place(positions)
+                results.append(PinResult(holder.pin.key, holder.part, target, place, -other.angle))
+        _show(context, scene, positions, results)
+
+
+class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.reset_selected_pins"
+    bl_label = "Reset Selected Pins"
+    bl_description = "Take the selected pins back to where they are at rest; the drawing follows"
+
+    def apply(self, context):
+        solving.halt()
+        obj, scene = context.object, begin(context)
+        pins.sync(obj)
+        usable = pins.model_pins(obj, scene)
+        moving = {pin.key for pin in usable if pin.enabled and obj.planar.pins[pin.key].select}
+        if not moving:
+            raise Refusal("No pins that hold the drawing are selected: click one first")
+        method = obj.planar.method.lower()
+        poser = partial(solver_cache.poser_for, scene.session_uid, scene.cutout, method, scene.positions)
+        action = PinReset(scene.cutout, scene.positions, usable, moving, poser)
+        try:
+            action.run()
+        except native.SolveError as error:
+            raise Refusal(str(error)) from error
+        _show(context, scene, action.positions, action.results())
+
+
+def _named(obj, scene):
+    """The object's usable pins by name, bound to its cutout."""
+    pins.sync(obj)
+    return [(obj.planar.pins[pin.key].name, Holder(pin, scene.cutout)) for pin in pins.model_pins(obj, scene)]
+
+
+def _show(context, scene, positions, results):
+    scene.write(positions)
+    pins.store_results(context.object, scene, results)
+    auto_key(context)
+
+
+CLASSES = (
+    PLANAR_OT_copy_pose,
+    PLANAR_OT_paste_pose,
+    PLANAR_OT_mirror_pose,
+    PLANAR_OT_reset_selected_pins,
+)
