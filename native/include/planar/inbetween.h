@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "planar/types.h"
+
+namespace planar {
+
+/// m×2 vertex indices (from 0).
+using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
+/// The progress callback asked to stop.
+struct Cancelled : std::runtime_error {
+  Cancelled() : std::runtime_error("cancelled") {}
+};
+
+enum class InbetweenMethod {
+  midpoint,  ///< an isometric relation between frames; the keys alone decide, times only sample
+  paper,     ///< Algorithm 2 of Li et al. 2013
+  global,    ///< Algorithm 1 of Li et al. 2013
+};
+
+enum class AnchorPath {
+  straight,  ///< anchors move on straight lines
+  arc,       ///< anchors move on the circular arcs of their part's rigid motion
+};
+
+struct InbetweenOptions {
+  InbetweenMethod method = InbetweenMethod::midpoint;
+
+  /// K times of the keys, ascending; empty: 0, 1, ..., K-1.
+  Eigen::VectorXd key_times{};
+
+  /// (K-1)×parts extra whole turns between two keys, counter-clockwise, at most 100; a single column is for
+  /// all parts; empty: none. Parts are numbered in order of their first vertices, isolated vertices left out.
+  Eigen::MatrixXi turns{};
+
+  /// Vertices whose mean, part by part, moves on the path. Parts without any are held at their centroid.
+  Eigen::VectorXi anchor{};
+  AnchorPath anchor_path = AnchorPath::straight;
+
+  /// (11): a solution has converged when no vertex moves by more than this share of the keys' box diagonal.
+  double tolerance = 5e-4;
+  int max_iterations = 100;
+
+  int threads = 0;  ///< to use; 0: one per core, at most 8. The result does not depend on it
+
+  /// Called with the share of the work done, in the caller's thread; false stops by `Cancelled`.
+  std::function<bool(double)> progress{};
+};
+
+/// Shapes between key shapes, as isometric as possible (Li et al. 2013): solved once, then sampled at any
+/// time.
+///
+/// \code
+///   Inbetweens motion({rest, raised, lowered}, triangles);
+///   for (double t = 0.0; t <= 2.0; t += 1.0 / 24.0) show(motion.at(t));
+/// \endcode
+///
+/// Departures from the paper:
+///
+/// 1. Frames are related by the midpoint rule e[k+1] - e[k] = i τ (e[k] + e[k+1]), which turns an edge
+/// without changing its length however large the step; the paper's forward difference lengthens it. It is
+/// symmetric in time, so the reverse sampling is not needed.
+///
+/// 2. Turns are unwrapped on triangles, smallest difference first, and the mean turn of a part is taken out
+/// and put back exactly, so that only bending is approximated.
+///
+/// 3. The weights 1/|e| of (10) are frozen at the keys' mean: one factor for all frames and iterations.
+///
+/// 4. The unknowns live on a grid between two keys that depends on these two alone. Sampling between its
+/// frames interpolates each edge's length and angle, and assembles by (10).
+///
+/// 5. Translation, which the paper leaves out: an anchor of each part moves on a path. Isolated vertices move
+/// straight.
+class Inbetweens {
+ public:
+  /// \param keys K ≥ 2 shapes, n×2 each
+  ///
+  /// \param triangles m×3
+  ///
+  /// \throw std::invalid_argument too few, mismatched, non-finite or out-of-range input; a method other than
+  /// midpoint
+  ///
+  /// \throw SolveError the frames cannot be assembled
+  ///
+  /// \throw Cancelled options.progress returned false
+  Inbetweens(const std::vector<Points>& keys, const Triangles& triangles,
+             const InbetweenOptions& options = {});
+
+  /// The same for edges (m×2) without faces: contours, open lines or any edge soup.
+  Inbetweens(const std::vector<Points>& keys, const Edges& edges, const InbetweenOptions& options = {});
+
+  Inbetweens(Inbetweens&&) noexcept;
+  Inbetweens& operator=(Inbetweens&&) noexcept;
+  ~Inbetweens();
+
+  /// The shape (n×2) at a time from the first key's to the last one's; at a key's time that key, to the bit.
+  /// \throw std::invalid_argument outside of the keys' times
+  Points at(double time) const;
+
+  /// The shapes at several times in any order; each is what at(time) gives.
+  std::vector<Points> at(const Eigen::VectorXd& times) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Frames (n×2) at `times` between `keys`. Method midpoint is Inbetweens. The paper's two methods sample
+/// uniformly between two keys, so they take two keys and uniform times from the first to the last.
+///
+/// \throw std::invalid_argument as Inbetweens; `times` that the method cannot give
+///
+/// \throw SolveError the frames cannot be assembled, or the iteration diverges
+///
+/// \throw Cancelled options.progress returned false
+std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
+                              const Triangles& triangles, const InbetweenOptions& options = {});
+
+/// The same for edges without faces.
+std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
+                              const Edges& edges, const InbetweenOptions& options = {});
+
+}  // namespace planar
