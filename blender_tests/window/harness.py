@@ -112,6 +112,11 @@ class Window:
         yield from self.release()
         yield from self.settled()
 
+    def confirm(self, kind: str = "RET") -> Iterator[None]:
+        """Confirm what G or R began."""
+        yield from self.key(kind)
+        yield from self.settled()
+
     def settled(self, seconds: float = 20.0) -> Iterator[None]:
         """Until all that a drag asked for is solved and shown; after a release, until the drag has ended."""
         yield  # the last event is handled by then

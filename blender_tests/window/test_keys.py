@@ -33,16 +33,17 @@ def test_g_moves_until_a_click_confirms(window: Window) -> Iterator[None]:
     assert moved(before, shape()) > 0.4
     yield from window.press()
     yield from window.release()
+    yield from window.settled()
     assert window.busy == []
     assert np.allclose(place(1), (1.5, 0.0, 0.8), atol=0.06), place(1)
     for key in ("RET", "NUMPAD_ENTER", "SPACE"):
         yield from window.key("G")
         yield from window.move(window.pixel((1.5, 0.0, 0.5)), steps=2)
-        yield from window.key(key)
+        yield from window.confirm(key)
         assert window.busy == [], key
     after = shape()
     yield from window.key("G")
-    yield from window.key("RET")
+    yield from window.confirm()
     assert np.array_equal(shape(), after), "confirmed without a movement"
 
 
@@ -53,7 +54,7 @@ def test_typed_numbers(window: Window) -> Iterator[None]:
     yield from window.type("0.25")
     yield from window.key("TAB")
     yield from window.type("-0.5")
-    yield from window.key("RET")
+    yield from window.confirm()
     assert tuple(last().properties.offset) == (0.25, -0.5)
     assert np.allclose(place(1), (1.75, 0.0, -0.5), atol=0.05), place(1)
     typed = shape()
@@ -64,7 +65,7 @@ def test_typed_numbers(window: Window) -> Iterator[None]:
     yield from window.key("G")
     yield from window.key("Z")
     yield from window.type("0.5")
-    yield from window.key("RET")
+    yield from window.confirm()
     assert tuple(last().properties.offset) == (0.0, 0.5)
 
 
@@ -74,7 +75,7 @@ def test_an_axis_lock_keeps_the_other_axis(window: Window) -> Iterator[None]:
     yield from window.key("G")
     yield from window.key("X")
     yield from window.move(window.pixel((2.0, 0.0, 0.7)), steps=3)
-    yield from window.key("RET")
+    yield from window.confirm()
     dx, dz = last().properties.offset
     assert dz == 0.0
     assert abs(dx - 0.5) < 0.03
@@ -85,6 +86,7 @@ def test_an_axis_lock_keeps_the_other_axis(window: Window) -> Iterator[None]:
     yield from window.key("Z")
     yield from window.key("Z")
     yield from window.release()
+    yield from window.settled()
     dx, dz = last().properties.offset
     assert dx == 0.0
     assert abs(dz - 0.6) < 0.03
@@ -95,14 +97,19 @@ def test_shift_is_precise_and_does_not_jump(window: Window) -> Iterator[None]:
     yield from window.hover(window.pixel(RIGHT))
     yield from window.press()
     yield from window.move(window.pixel((1.5, 0.0, 0.5)), steps=3)
+    yield from window.settled()
     before = shape()
     yield from window.press("LEFT_SHIFT", shift=True)
+    yield from window.settled()
     assert np.array_equal(shape(), before), "pressing Shift moves nothing"
     yield from window.move(window.pixel((1.5, 0.0, 1.5)), steps=3, shift=True)
+    yield from window.settled()
     precise = shape()
     yield from window.release("LEFT_SHIFT")
+    yield from window.settled()
     assert np.array_equal(shape(), precise), "nor does releasing it"
     yield from window.release()
+    yield from window.settled()
     _dx, dz = last().properties.offset
     assert abs(dz - 0.6) < 0.03, dz
 
@@ -114,13 +121,13 @@ def test_r_turns_pins_about_their_centre(window: Window) -> Iterator[None]:
     yield from window.key("R")
     for angle in np.radians(np.arange(0, 91, 6)):
         yield from window.move(window.pixel((2.5 * np.cos(angle), 0.0, 2.5 * np.sin(angle))))
-    yield from window.key("RET")
+    yield from window.confirm()
     assert abs(np.degrees(last().properties.angle) - 90.0) < 1.0
     assert np.allclose(place(1), (0.0, 0.0, 1.5), atol=0.1), place(1)
     assert np.allclose(place(0), (0.0, 0.0, -1.5), atol=0.1), place(0)
     yield from window.key("R")
     yield from window.type("90")
-    yield from window.key("RET")
+    yield from window.confirm()
     assert np.allclose(place(1), (-1.5, 0.0, 0.0), atol=0.15), place(1)
 
 
@@ -132,11 +139,11 @@ def test_a_patch_keeps_the_angle_it_was_turned_to(window: Window) -> Iterator[No
     bpy.ops.planar.add_pin_from_group(group="Hand", kind="PATCH")
     yield from window.key("R")
     yield from window.type("30")
-    yield from window.key("RET")
+    yield from window.confirm()
     assert abs(np.degrees(active().planar.pins[1].angle) - 30.0) < 1e-3
     yield from window.key("G")
     yield from window.type("0.1")
-    yield from window.key("RET")
+    yield from window.confirm()
     assert abs(np.degrees(active().planar.pins[1].angle) - 30.0) < 1e-3
 
 
@@ -148,6 +155,7 @@ def test_the_redo_panel_repeats_and_changes_a_drag(window: Window) -> Iterator[N
     yield from window.move(window.pixel((1.9, 0.0, 0.4)), steps=4)
     yield from window.move(window.pixel((1.5, 0.0, 0.9)), steps=4)
     yield from window.release()
+    yield from window.settled()
     after, pins, offset = shape(), pin_data(), tuple(last().properties.offset)
     redo_with(window)
     yield

@@ -187,6 +187,7 @@ def test_a_drag_makes_a_pose_key_and_escape_takes_it_away(window: Window) -> Ite
     assert np.array_equal(shape(), mesh)
     yield from begin_drag(window)
     yield from window.release()
+    yield from window.settled()
     posed = key_points("Pose")
     assert moved(basis, posed) > 0.3
     assert np.array_equal(key_points("Basis"), basis)

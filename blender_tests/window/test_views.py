@@ -102,12 +102,15 @@ def test_a_mouse_beyond_the_horizon_moves_nothing(window: Window) -> Iterator[No
     region = window.region()
     x, y = window.mouse
     yield from window.move((x + 10, y + 10), steps=2)
+    yield from window.settled()
     before = shape()
     horizon = 0
     for end in (region.y + 5, region.y + region.height - 40):
         yield from window.move((x + 10, end))
+        yield from window.settled()
         horizon += np.array_equal(shape(), before)
         yield from window.move((x + 10, y + 10))
+        yield from window.settled()
         before = shape()
     yield from window.key("ESC")
     yield from window.release()
@@ -135,6 +138,7 @@ def test_navigating_during_a_drag_moves_nothing_by_itself(window: Window) -> Ite
     yield from window.hover(window.pixel(RIGHT))
     yield from window.press()
     yield from window.move(window.pixel((1.5, 0.0, 0.5)), steps=4)
+    yield from window.settled()
     halfway, distance, turn = shape(), window.view.view_distance, window.view.view_rotation.copy()
     x, y = window.mouse
     yield from window.press("MIDDLEMOUSE")
@@ -147,10 +151,12 @@ def test_navigating_during_a_drag_moves_nothing_by_itself(window: Window) -> Ite
     assert window.view.view_distance < distance
     assert np.array_equal(shape(), halfway)
     yield from window.move((x + 61, y + 30))
+    yield from window.settled()
     assert moved(halfway, shape()) < 0.02, "the drag goes on from where it was"
     pixel = window.pixel(place(1))
     x, y = window.mouse
     yield from window.move((x + 20, y + 20), steps=3)
+    yield from window.settled()
     assert off(window, 1, (pixel[0] + 20, pixel[1] + 20)) < 5.0
     yield from window.key("ESC")
     yield from window.release()

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -19,7 +18,7 @@ Sample = tuple[float, float, float]
 
 # A way that nobody recorded, straight or carried along, is taken in this many samples: enough that each turns
 # and stretches the drawing little, which is what a step of a Killing field assumes.
-RAMP_SAMPLES = 24
+RAMP_SAMPLES = 12
 
 # Refinements in a row that settling takes at most. A pose converges in far fewer, or never.
 MOST_REFINEMENTS = 100
@@ -102,8 +101,7 @@ class PoseAction:
             self._poser = self._make_poser()
             self._set_handles(self._poser)
         if self.path and self.path[-1] == sample:
-            refine = getattr(self._poser, "refine", None) or partial(self._poser.move, self._targets(sample))
-            self.positions = refine()
+            self.positions = self._poser.refine()
             self._refinements += 1
         else:
             self.positions = self._poser.move(self._targets(sample))

@@ -7,6 +7,7 @@ from functools import partial
 
 import bpy
 
+from .. import native
 from ..model import solver_cache, solving
 from ..model.frame import Array
 from ..model.pins import Holder
@@ -34,8 +35,10 @@ class SceneAction:
     Nothing but the selection changes before the first move. Between events only names and arrays are kept.
     """
 
-    def __init__(self, context: bpy.types.Context, pressed: int = -1, extend: bool = False):
-        """Raises Refusal, with nothing changed."""
+    def __init__(
+        self, context: bpy.types.Context, pressed: int = -1, extend: bool = False, *, settling: bool = False
+    ):
+        """`settling`: no pin moves, all of them hold. Raises Refusal, with nothing changed."""
         self.scene = begin(context)
         obj = context.object
         settings = obj.planar
@@ -45,6 +48,8 @@ class SceneAction:
         self._key = obj.session_uid
         self._method = settings.method.lower()
         self._pins = pins.model_pins(obj, self.scene)
+        if settling and not any(pin.enabled for pin in self._pins):
+            raise Refusal("No pin is on and holds vertices: add or enable one in the Planar tab")
         self._selected_before = {index for index, pin in enumerate(settings.pins) if pin.select}
         self._active_before = settings.active_pin
         self._pressed, self._extend = pressed, extend
@@ -52,6 +57,7 @@ class SceneAction:
         self._pose: PoseAction | None = None
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
+        self._settling = settling
         if pressed >= 0:
             settings.active_pin = pressed
             self._select(self._moving)
@@ -60,15 +66,16 @@ class SceneAction:
     def pose(self) -> PoseAction:
         """The model's action, made when first needed. Raises Refusal if no selected pin can be moved."""
         if self._pose is None:
-            if not self._moving:
-                raise Refusal("No pins are selected: click one first")
             usable = {pin.key for pin in self._pins if pin.enabled}
-            if not self._moving & usable:
+            moving = set() if self._settling else self._moving & usable
+            if not self._settling and not self._moving:
+                raise Refusal("No pins are selected: click one first")
+            if not self._settling and not moving:
                 raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
             positions, cutout = self.scene.positions, self.scene.cutout
             make_poser = partial(solver_cache.poser_for, self._key, cutout, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
-            self._pose = PoseAction(cutout, positions, self._pins, self._moving, make_poser)
+            self._pose = PoseAction(cutout, positions, self._pins, moving, make_poser)
         return self._pose
 
     def part(self) -> int:
@@ -78,15 +85,25 @@ class SceneAction:
         return int(self.scene.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
 
     def run(self, path: list[Sample], *, settle: bool) -> None:
-        """Take the pins along a path, here and now, and end with what is reached."""
+        """Take the pins along a path, here and now, and end with what is reached.
+
+        Raises Refusal, with everything as it was.
+        """
         solving.halt()
-        for sample in path:
-            self.pose.move(*sample)
-        if settle:
-            self.pose.settle()
-        solved = self.pose.solved()
-        self._write(solved.positions)
-        self.finish(solved)
+        try:
+            for sample in path:
+                self.pose.move(*sample)
+            if settle:
+                self.pose.settle()
+            solved = self.pose.solved()
+            self._write(solved.positions)
+            self.finish(solved)
+        except native.SolveError as error:
+            self.cancel()
+            raise Refusal(str(error)) from error
+        except Exception:
+            self.cancel()
+            raise
 
     def show(self, solved: Solved) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""

@@ -11,7 +11,6 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
-from .. import native
 from ..model.drag import Drag, Mode, Point
 from ..model.posing import Sample, Solved, carried_path
 from ..scene.access import Refusal
@@ -68,16 +67,12 @@ class PinTransform(Interactive):
 
     def execute(self, context):
         try:
-            action = SceneAction(context, self.pin, self.extend)
             recorded = unpack_path(self.path)
             path = self.edited(recorded)
-            try:
-                action.run(path, settle=path != recorded)
-            except Exception:
-                action.cancel()
-                raise
-        except (Refusal, native.SolveError) as error:
-            self.report({"ERROR"}, str(error))
+            action = SceneAction(context, self.pin, self.extend)
+            action.run(path, settle=path != recorded)
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         self.letters = "".join(action.scene.frame.letters)
         return {"FINISHED"}

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solving the present pose again, for what has changed since: weights, pins turned off, method, stiffness."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..model.posing import Sample, Solved
+from ..scene.access import Refusal
+from .action import SceneAction
+from .interactive import Interactive, Session
+from .posing_operator import PosingOperator
+
+STILL: Sample = (0.0, 0.0, 0.0)
+
+
+class PLANAR_OT_settle_pose(Interactive, PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.settle_pose"
+    bl_label = "Settle Pose"
+    bl_description = (
+        "Solve the pose again with the pins where they are, as after a change of weights or method"
+    )
+
+    def apply(self, context):
+        SceneAction(context, settling=True).run([STILL], settle=True)
+
+    def invoke(self, context, event):
+        try:
+            action = SceneAction(context, settling=True)
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
+        self._session = Session(context, action, "Settling")
+        self._session.ask(STILL)
+        context.window_manager.modal_handler_add(self)
+        return self.release()
+
+    def keep_result(self, solved: Solved) -> None:
+        pass  # there is nothing to edit and nothing to repeat
+
+
+CLASSES = (PLANAR_OT_settle_pose,)
