@@ -22,8 +22,7 @@ def names(obj):
 def frames(obj):
     from planar_deform.scene import sequence
 
-    found = sequence.frames_of(obj)
-    return [found.get(index, []) for index in range(len(obj.planar.poses))]
+    return [sequence.frames_of(obj, index) for index in range(len(obj.planar.poses))]
 
 
 @pytest.mark.parametrize("plane", PLANES)

@@ -168,6 +168,40 @@ def test_foreign_animation_added_to_a_sequence_is_refused():
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
 
 
+def test_a_sequence_made_relative_is_refused_until_it_is_absolute_again():
+    from planar_deform.scene.access import pose_refusal
+
+    obj, shapes = keyed_bar()
+    obj.data.shape_keys.use_relative = True
+    assert "turn off Relative" in refused(obj)
+    assert "turn off Relative" in pose_refusal(obj)
+    obj.data.shape_keys.use_relative = False
+    assert pose_refusal(obj) is None
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
+
+
+def test_subdividing_during_a_sequence():
+    obj, shapes = keyed_bar()
+    activate(obj)
+    go_to(25)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(obj.data.vertices) == 25 * 9
+    for frame, shape in shapes.items():
+        assert same(shown_at(obj, frame)[:65], shape)
+    go_to(25)
+    pose(obj, offset=(0.0, 0.2))
+    dragged = evaluated(obj)
+    assert same(shown_at(obj, 1)[:65], shapes[1])
+    assert same(shown_at(obj, 25), dragged)
+    shape = key(obj, 13, 4)
+    assert same(shown_at(obj, 13), shape)
+    assert bpy.ops.planar.clear_poses() == {"FINISHED"}
+    assert same(coordinates(obj.data.vertices)[:65], shapes[1])  # which was made in the mesh
+
+
 def test_a_locked_pose_is_not_written():
     from planar_deform.scene.access import Refusal, begin
 

@@ -73,7 +73,7 @@ class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
 
     def act(self, context, pose):
         obj = context.object
-        frames = sequence.frames_of(obj).get(pose)
+        frames = sequence.frames_of(obj, pose)
         if not frames:
             raise Refusal(f"Pose '{obj.planar.poses[pose].name}' has no key on the curve: delete it")
         sequence.activate(obj, pose)

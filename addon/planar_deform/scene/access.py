@@ -43,7 +43,7 @@ def pose_refusal(obj: bpy.types.Object | None) -> str | None:
         return "The mesh is shared: make it single-user with Object > Relations > Make Single User"
     if not mesh.polygons:
         return f"'{obj.name}' has no faces: a cutout needs some"
-    return sequence.refusal(obj) if sequence.is_ours(obj) else shape_keys.refusal(obj)
+    return sequence.refusal(obj) if sequence.has_blocks(obj) else shape_keys.refusal(obj)
 
 
 def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneCutout:

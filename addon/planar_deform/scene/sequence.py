@@ -61,13 +61,15 @@ if TYPE_CHECKING:
 ON_A_COPY = "work on a copy of the object, with Apply All in the Shape Keys panel's menu"
 
 
-def is_ours(obj: bpy.types.Object) -> bool:
-    """Whether the object has a pose sequence."""
+def has_blocks(obj: bpy.types.Object) -> bool:
+    """Whether the mesh has shape keys of a pose sequence."""
     keys = obj.data.shape_keys
-    poses = obj.planar.poses
-    if keys is None or keys.use_relative or not poses:
-        return False
-    return any(block_at(keys, pose.at) is not None for pose in poses)
+    return keys is not None and any(block_at(keys, pose.at) is not None for pose in obj.planar.poses)
+
+
+def is_ours(obj: bpy.types.Object) -> bool:
+    """Whether the object shows a pose sequence."""
+    return has_blocks(obj) and not obj.data.shape_keys.use_relative
 
 
 def refusal(obj: bpy.types.Object) -> str | None:
@@ -77,7 +79,9 @@ def refusal(obj: bpy.types.Object) -> str | None:
         return None
     if obj.show_only_shape_key:
         return "Only the active shape key is shown: turn off Shape Key Lock in the Shape Keys panel"
-    ours = is_ours(obj)
+    ours = has_blocks(obj)
+    if ours and keys.use_relative:
+        return "Keyed poses are absolute shape keys: turn off Relative in the Shape Keys panel"
     if not ours and not keys.use_relative:
         return f"The mesh has absolute shape keys of its own: {ON_A_COPY}"
     others = [block.name for block in keys.key_blocks[1:]]
@@ -110,23 +114,22 @@ def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
 # -- reading
 
 
-def frames_of(obj: bpy.types.Object) -> dict[int, list[float]]:
-    """The frames at which each keyed pose stands on the curve, by its index in the list, in order."""
-    frames: dict[int, list[float]] = {}
-    at = np.array([pose.at for pose in obj.planar.poses])
-    for frame, value in keyed(obj.data.shape_keys) if len(at) else ():
-        distances = np.abs(at - value)
-        pose = int(distances.argmin())
-        if distances[pose] < SAME_PLACE:
-            frames.setdefault(pose, []).append(float(frame))
+def frames_of(obj: bpy.types.Object, pose: int) -> list[float]:
+    """The frames at which a keyed pose stands on the curve, in order."""
+    timeline = keyed(obj.data.shape_keys)
+    frames: list[float] = timeline[
+        np.abs(timeline[:, 1] - obj.planar.poses[pose].at) < SAME_PLACE, 0
+    ].tolist()
     return frames
 
 
 def pose_at(obj: bpy.types.Object, frame: float) -> int | None:
     """The index of the pose that is keyed at a frame."""
-    for pose, frames in frames_of(obj).items():
-        if any(abs(other - frame) < SAME_FRAME for other in frames):
-            return pose
+    timeline = keyed(obj.data.shape_keys)
+    for value in timeline[np.abs(timeline[:, 0] - frame) < SAME_FRAME, 1]:
+        for index, pose in enumerate(obj.planar.poses):
+            if abs(pose.at - value) < SAME_PLACE:
+                return index
     return None
 
 
@@ -186,12 +189,11 @@ def put(scene: SceneCutout, shapes: Mapping[float, Array]) -> None:
         drop_scratch(obj)
     else:
         _begin(obj, scene.rest_coordinates())
-    frames = frames_of(obj)
     new: dict[float, np.ndarray] = {}
     for frame, points in coordinates.items():
         pose = pose_at(obj, frame)
         # A pose that is shown at other frames, too, stays as it is there.
-        if pose is not None and len(frames[pose]) == 1:
+        if pose is not None and len(frames_of(obj, pose)) == 1:
             block = block_at(obj.data.shape_keys, obj.planar.poses[pose].at)
             block.data.foreach_set("co", points.ravel())
         else:

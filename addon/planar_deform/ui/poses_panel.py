@@ -16,7 +16,7 @@ class PLANAR_UL_poses(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_propname, index):
         row = layout.row(align=True)
         row.prop(item, "name", text="", emboss=False, icon="SHAPEKEY_DATA")
-        frames = sequence.frames_of(item.id_data).get(index)
+        frames = sequence.frames_of(item.id_data, index)
         text = ", ".join(f"{frame:g}" for frame in frames) if frames else "no frame"
         side = row.row()
         side.alignment = "RIGHT"
@@ -34,8 +34,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         obj = context.object
-        ours = sequence.is_ours(obj)
-        if ours:
+        if sequence.has_blocks(obj):
             row = layout.row()
             row.template_list("PLANAR_UL_poses", "", obj.planar, "poses", obj.planar, "active_pose", rows=4)
             column = row.column(align=True)
@@ -48,7 +47,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
         row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
         row.operator("planar.mirror_pose", text="Mirror", icon="MOD_MIRROR")
-        if ours and sequence.unkeyed(obj):
+        if sequence.unkeyed(obj):
             lines(layout, "The pose shown is not keyed: the next frame change takes it away", "INFO", context)
         elif pose_refusal(obj) is None and (reason := sequence.refusal(obj)) is not None:
             lines(layout, reason, "INFO", context)
