@@ -374,7 +374,8 @@ def test_a_pin_changed_in_the_panel_holds_the_drawing_as_it_lies(how):
     assert not pin.has_target
     before = coordinates(obj.data.vertices)
     pose(obj, offset=(0.0, 0.0))
-    assert np.abs(coordinates(obj.data.vertices) - before).max() < 0.05
+    held = slice(None) if how == "kind" else [63, 64]  # what another group lets go of finds its own shape
+    assert np.abs(coordinates(obj.data.vertices) - before)[held].max() < 0.05
     obj.vertex_groups[pin.group].name = "Renamed"
     bpy.context.view_layer.update()
     assert (pin.group, pin.has_target) == ("Renamed", True)

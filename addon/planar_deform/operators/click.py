@@ -10,7 +10,7 @@ from mathutils import Vector
 from ..model.frame import Array
 from ..scene import snapshot
 from ..scene.access import Refusal, begin
-from ..scene.view import pin_under, ray
+from ..scene.view import on_ring, pin_under, ray, ring_about
 
 
 class PLANAR_OT_click(bpy.types.Operator):
@@ -29,11 +29,16 @@ class PLANAR_OT_click(bpy.types.Operator):
             return {"PASS_THROUGH"}
         mouse = (event.mouse_region_x, event.mouse_region_y)
         seen = snapshot.of_active(context)
-        pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
-        if pin is not None and not self.add:
-            # Its gizmo has not lit up: the event that ended a drag's settling comes right here.
-            bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True, pin=pin)
-            return {"FINISHED"}
+        if seen is not None and not self.add:
+            # Neither gizmo has lit up where the event that ended a drag's settling comes right here.
+            pin = pin_under(region, view, seen.pins, mouse)
+            if pin is not None:
+                bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True, pin=pin)
+                return {"FINISHED"}
+            ring = ring_about(context.object, seen.pins)
+            if ring is not None and on_ring(region, view, ring, mouse):
+                bpy.ops.planar.rotate_pins("INVOKE_DEFAULT", True, release_confirm=True)
+                return {"FINISHED"}
         origin, direction = ray(region, view, mouse)
         if self.add:
             return self._add(context, origin, direction)

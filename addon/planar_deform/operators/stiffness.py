@@ -1,13 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting stiffness with Blender's own Weight Paint."""
+"""Painting stiffness with Blender's own Weight Paint. After each stroke the pose settles, as it is shown.
+
+Blender makes an undo step of each stroke. What settles after it is in no step of its own, which would have to
+be undone twice; it is in the next one, and undoing a stroke lets the pose settle again. Only when the user
+leaves Weight Paint sooner than it could settle is there a step for that.
+"""
 
 from __future__ import annotations
 
-import bpy
+from functools import partial
 
-from ..scene import pins, stiffness
-from ..scene.access import Refusal, begin
+import bpy
+from bpy.app.handlers import persistent
+
+from .. import native
+from ..model import solver_cache
+from ..model.cutout import NEUTRAL
+from ..model.posing import PoseAction, Solved
+from ..model.solving import Solving, StoppedError
+from ..scene import compat, pins, stiffness
+from ..scene.access import ObjectGone, Refusal, begin, read_cutout
 from .posing_operator import PosingOperator
+
+SOON = 0.05  # seconds from a change to a look at it, and between looks while a stroke is on
+RATE = 1 / 60  # seconds between two looks at what the thread has solved
+UNDER_WAY = ("PAINT_OT_", "PLANAR_OT_")  # operators that must have ended
 
 
 class PLANAR_OT_paint_stiffness(PosingOperator, bpy.types.Operator):
@@ -28,6 +45,148 @@ class PLANAR_OT_paint_stiffness(PosingOperator, bpy.types.Operator):
         pins.sync(obj)
         obj.vertex_groups.active_index = group.index
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        brush = compat.brush_weight_owner(context.tool_settings)
+        if brush is not None and brush.weight == NEUTRAL:
+            brush.weight = 1.0  # else the first strokes would do nothing
+
+
+class _Settling:
+    """A pose on its way to what its new stiffness makes of it. Raises Refusal."""
+
+    def __init__(self, obj: bpy.types.Object):
+        self.scene = read_cutout(obj, mode=obj.mode)
+        settings, positions = obj.planar, self.scene.positions
+        used = pins.model_pins(obj, self.scene)
+        if settings.method != "HOLD" or not any(pin.enabled for pin in used):
+            raise Refusal("Stiffness is felt when pins are moved")
+        make_poser = partial(
+            solver_cache.poser_for, obj.session_uid, self.scene.cutout, settings.method.lower(), positions
+        )
+        self._solved: Solved | None = None
+        self._solving = Solving(PoseAction(self.scene.cutout, positions, used, (), make_poser))
+        self._solving.ask((0.0, 0.0, 0.0))
+        self._solving.hurry()
+
+    def show(self) -> bool:
+        """Show the newest; whether it has settled. Raises ObjectGone, SolveError and StoppedError."""
+        obj = self.scene.resolve()
+        solved = self._solving.newest()
+        if solved is not None:
+            self.scene.write(solved.positions)
+            self._solved = solved
+        if self._solving.settled and self._solved is not None:
+            pins.store_results(obj, self.scene, self._solved.results)
+            return True
+        return False
+
+    def stop(self) -> None:
+        """Leave it as it is shown."""
+        self._solving.stop()
+
+
+_painted: int | None = None  # the object that was seen in Weight Paint last
+_settling: _Settling | None = None
+
+
+def _active() -> bpy.types.Object | None:
+    """The object whose stiffness is being painted, or was up to now."""
+    obj = bpy.context.view_layer.objects.active
+    if obj is None or obj.type != "MESH" or not obj.planar.stiffness_group:
+        return None
+    left = obj.mode == "OBJECT" and obj.session_uid == _painted
+    return obj if obj.mode == "WEIGHT_PAINT" or left else None
+
+
+def _look() -> float | None:
+    """Let the pose settle where it has not been solved with what is painted; seconds to the next look."""
+    global _painted, _settling
+    obj = _active()
+    running = (
+        operator.bl_idname
+        for window in bpy.context.window_manager.windows
+        for operator in window.modal_operators
+    )
+    if obj is not None and any(name.startswith(UNDER_WAY) for name in running):
+        _stop()
+        return SOON
+    try:
+        if obj is None:
+            return _stop()
+        _painted = obj.session_uid
+        if _settling is None and not _changed(obj):
+            _painted = obj.session_uid if obj.mode == "WEIGHT_PAINT" else None
+            return None
+        if _settling is None:
+            _settling = _Settling(obj)
+        elif _settling.show():
+            _settling = None
+            if obj.mode == "OBJECT":
+                bpy.ops.ed.undo_push(message="Settle Pose")
+            return SOON
+        return RATE
+    except ObjectGone:  # it is in another mode, perhaps
+        _stop()
+        return SOON
+    except (Refusal, StoppedError, native.SolveError):
+        return _stop()
+
+
+def _changed(obj: bpy.types.Object) -> bool:
+    """Whether another stiffness is painted than the shape was solved with."""
+    now = stiffness.stamp(stiffness.painted(obj))
+    if not obj.planar.solved_stiffness:
+        obj.planar.solved_stiffness = now  # the shape is as the user has made it
+    return obj.planar.solved_stiffness != now
+
+
+def _stop() -> None:
+    global _settling
+    if _settling is not None:
+        _settling.stop()
+    _settling = None
+
+
+@persistent
+def _on_change(*_) -> None:
+    if _active() is not None and not bpy.app.timers.is_registered(_look):
+        bpy.app.timers.register(_look, first_interval=SOON)
+
+
+@persistent
+def _on_undo(*_) -> None:
+    """What is undone to in Object Mode is what was there."""
+    global _painted
+    _painted = None
+    _stop()
+    _on_change()
+
+
+@persistent
+def _on_load(*_) -> None:
+    global _painted
+    _painted = None
+    _stop()
 
 
 CLASSES = (PLANAR_OT_paint_stiffness,)
+_HANDLERS = {
+    "depsgraph_update_post": _on_change,
+    "undo_post": _on_undo,
+    "redo_post": _on_undo,
+    "load_pre": _on_load,
+}
+
+
+def register() -> None:
+    """Listen to strokes."""
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    """Stop listening."""
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+    _on_load()

@@ -23,8 +23,8 @@ SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
 __all__ = ["ObjectGone", "Refusal", "SceneCutout", "begin", "pose_refusal", "read_cutout"]
 
 
-def pose_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Why this object cannot be posed, and what to do about it; None if nothing speaks against it.
+def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | None:
+    """Why this object cannot be posed in a mode, and what to do; None if nothing speaks against it.
 
     Cheap enough for polls; read_cutout() finds the rest.
     """
@@ -37,7 +37,7 @@ def pose_refusal(obj: bpy.types.Object | None) -> str | None:
         return f"'{obj.name}' is linked from a library: make it local with Object > Relations > Make Local"
     if obj.override_library is not None or mesh.override_library is not None:
         return f"'{obj.name}' is a library override: make it local with Object > Relations > Make Local"
-    if obj.mode != "OBJECT":
+    if obj.mode != mode:
         return "Posing works in Object Mode: leave the current mode first"
     if mesh.users - mesh.use_fake_user > 1:
         return "The mesh is shared: make it single-user with Object > Relations > Make Single User"
@@ -58,9 +58,9 @@ def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneCutout:
     return read_cutout(context.object, unkeyed=unkeyed)
 
 
-def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> SceneCutout:
+def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False, mode: str = "OBJECT") -> SceneCutout:
     """The object's cutout, standing in the shape it shows. Raises Refusal; changes nothing."""
-    reason = pose_refusal(obj)
+    reason = pose_refusal(obj, mode)
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
@@ -82,7 +82,7 @@ class SceneCutout:
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         mesh = obj.data
         self.object_name, self.session_uid = obj.name, obj.session_uid
-        self._mesh_uid, self._count = mesh.session_uid, len(mesh.vertices)
+        self._mesh_uid, self._count, self._mode = mesh.session_uid, len(mesh.vertices), obj.mode
         self._linear = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
         self._origin = np.array(obj.matrix_world.translation, dtype=np.float64)
         if not (np.isfinite(self._linear).all() and np.isfinite(self._origin).all()):
@@ -244,7 +244,7 @@ class SceneCutout:
         if obj is None or obj.session_uid != self.session_uid:
             raise ObjectGone(f"'{self.object_name}' is gone")
         mesh = obj.data
-        if mesh.session_uid != self._mesh_uid or len(mesh.vertices) != self._count or obj.mode != "OBJECT":
+        if (mesh.session_uid, len(mesh.vertices), obj.mode) != (self._mesh_uid, self._count, self._mode):
             raise ObjectGone(f"The mesh of '{self.object_name}' has changed")
         if not self._target.is_there(obj):
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")

@@ -34,3 +34,10 @@ def make_single_user(animation: bpy.types.AnimData) -> None:
     animation.action = action.copy()
     if slot is not None:
         animation.action_slot = animation.action.slots[slot]
+
+
+def brush_weight_owner(tools: bpy.types.ToolSettings) -> bpy.types.bpy_struct | None:
+    """What has the `weight` that the next stroke of Weight Paint puts down; None without a brush."""
+    paint = tools.weight_paint
+    shared = paint.unified_paint_settings if bpy.app.version >= (5, 0, 0) else tools.unified_paint_settings
+    return shared if shared.use_unified_weight else paint.brush

@@ -82,9 +82,16 @@ class PlanarSettings(bpy.types.PropertyGroup):
         description="How the drawing follows the pins",
         items=(
             (
+                "HOLD",
+                "Hold Shape",
+                "Of all shapes that the pins allow, the one that distorts the rest shape least: pins brought "
+                "back bring the drawing back",
+            ),
+            (
                 "AKVF",
                 "AKVF",
-                "As-Killing-as-possible: each drag keeps the drawing as rigid as it can locally",
+                "As-Killing-as-possible: each move keeps the drawing as rigid as it can locally, and begins "
+                "from where the last one ended. Forgets the rest shape",
             ),
         ),
     )
@@ -103,6 +110,8 @@ class PlanarSettings(bpy.types.PropertyGroup):
         ),
     )
     stiffness_index: IntProperty(default=-1, options={"HIDDEN"})
+    # What of the stiffness the shape shown was solved with, as stiffness.stamp() tells it; empty: unknown.
+    solved_stiffness: StringProperty(options={"HIDDEN"})
     show_quality: EnumProperty(
         name="Quality",
         description="Colour the drawing by how much the pose distorts it; flipped triangles are marked, too",

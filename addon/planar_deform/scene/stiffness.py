@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import bpy
 import numpy as np
 
@@ -23,6 +25,13 @@ def painted(obj: bpy.types.Object) -> np.ndarray | None:
             if element.group == index:
                 weights[row] = element.weight
     return weights
+
+
+def stamp(painted: np.ndarray | None) -> str:
+    """A short text that is another one for another painting; the same for none and for a neutral one."""
+    if painted is None or (painted == NEUTRAL).all():
+        return "neutral"
+    return hashlib.blake2b(painted.tobytes(), digest_size=12).hexdigest()
 
 
 def missing(obj: bpy.types.Object) -> bool:

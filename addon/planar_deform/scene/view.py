@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mouse in a 3D view: the ray through it, and the pin under it. The mouse is given in region pixels."""
+"""The mouse in a 3D view: the ray through it, the pin and the ring under it. It is given in region pixels."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -18,7 +19,18 @@ from mathutils import Vector
 from ..model.frame import Array
 from .snapshot import PinPlace
 
-REACH = 12.0  # pixels at a UI scale of 1 from the middle of a pin within which the mouse is on it
+# Pixels at a UI scale of 1.
+REACH = 12.0  # from the middle of a pin, within which the mouse is on it
+RING = 36.0  # radius of the ring about what can be turned
+NEAR_RING = 6.0  # within which the mouse is on the ring, unless it is on a pin
+
+
+@dataclass(frozen=True)
+class Ring:
+    """What is turned together."""
+
+    centre: Array  # (3,) in the world, about which it is turned
+    patch: PinPlace | None  # that is turned alone, if it is one
 
 
 def ray(
@@ -51,3 +63,22 @@ def pin_under(
     distances = [(pixels_to(region, view, pin.place, mouse), pin.key) for pin in pins]
     nearest = min(distances, default=(math.inf, -1))
     return nearest[1] if nearest[0] <= reach else None
+
+
+def ring_about(obj: bpy.types.Object, pins: Iterable[PinPlace]) -> Ring | None:
+    """The ring about the selected pins of an object that hold it; None for a point alone and for none."""
+    settings = obj.planar.pins
+    chosen = [pin for pin in pins if settings[pin.key].select and settings[pin.key].enabled]
+    if len(chosen) > 1:
+        return Ring(np.mean([pin.target for pin in chosen], axis=0), None)
+    if chosen and settings[chosen[0].key].kind == "PATCH":
+        return Ring(chosen[0].target, chosen[0])
+    return None
+
+
+def on_ring(
+    region: bpy.types.Region, view: bpy.types.RegionView3D, ring: Ring, mouse: Sequence[float]
+) -> bool:
+    """Whether the mouse is on the ring."""
+    scale = bpy.context.preferences.system.ui_scale
+    return abs(pixels_to(region, view, ring.centre, mouse) - RING * scale) <= NEAR_RING * scale

@@ -4,22 +4,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from ..model.frame import Array
 from ..scene import snapshot
-from ..scene.view import REACH, pixels_to
+from ..scene.view import REACH, RING, on_ring, pin_under, pixels_to, ring_about
 from . import marks
 from .tool_state import pose_tool_is_active
 
 SHOWN_GAP = 3.0  # pixels from its target below which a pin counts as there
 BESIDE_KNOB = 24.0  # pixels from the ring to the angle written beside it
-NEAR_RING = 6.0  # pixels within which the mouse is on the ring, where it is on no pin
 
 
 class PLANAR_GT_pin(bpy.types.Gizmo):
@@ -62,15 +58,6 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
                 marks.draw_point(place, scale, fill, **state)
 
 
-@dataclass(frozen=True)
-class Ring:
-    """What is turned together."""
-
-    centre: Array  # (3,) in the world, about which it is turned
-    turned: Array | None  # a patch alone: the direction in the world that was u at rest
-    angle: float | None  # and how far it is turned from rest, in radians
-
-
 class PLANAR_GT_ring(bpy.types.Gizmo):
     bl_idname = "PLANAR_GT_ring"
 
@@ -81,28 +68,26 @@ class PLANAR_GT_ring(bpy.types.Gizmo):
         """Whether the mouse is on the ring and on no pin."""
         if self.ring is None:
             return -1
-        scale = context.preferences.system.ui_scale
-        off = abs(_distance(context, self.ring.centre, location) - marks.RING * scale)
-        if off > NEAR_RING * scale:
+        region, view = context.region, context.region_data
+        if pin_under(region, view, self.all_marks, location) is not None:
             return -1
-        pins = (_distance(context, mark.place, location) < REACH * scale for mark in self.all_marks)
-        return -1 if any(pins) else 0
+        return 0 if on_ring(region, view, self.ring, location) else -1
 
     def draw(self, context):
         if self.ring is None:
             return
-        region, ring = context.region, self.ring
+        region, ring, patch = context.region, self.ring, self.ring.patch
         centre = location_3d_to_region_2d(region, context.region_data, Vector(ring.centre))
         if centre is None:
             return
-        knob = Vector((0.0, 1.0)) if ring.turned is None else _seen(context, ring.centre, ring.turned)
+        knob = Vector((0.0, 1.0)) if patch is None else _seen(context, ring.centre, patch.turned)
         scale = context.preferences.system.ui_scale
         with marks.pixels(region):
-            marks.draw_ring(centre, knob, scale, lit=self.is_highlight or self.is_modal)
-            if ring.angle is not None:
-                x, y = centre + (marks.RING + BESIDE_KNOB) * scale * knob
+            marks.draw_ring(centre, RING * scale, knob, scale, lit=self.is_highlight or self.is_modal)
+            if patch is not None:
+                x, y = centre + (RING + BESIDE_KNOB) * scale * knob
                 y -= 0.35 * marks.TEXT * scale  # from the middle of the letters to their foot
-                marks.draw_text(x, y, f"{math.degrees(ring.angle):.1f}°", scale, centred=True)
+                marks.draw_text(x, y, f"{math.degrees(patch.angle):.1f}°", scale, centred=True)
 
 
 class PLANAR_GGT_pins(bpy.types.GizmoGroup):
@@ -148,21 +133,10 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
             gizmo.hide = gizmo.mark is None
             if gizmo.mark is not None:
                 gizmo.matrix_basis = Matrix.Translation(Vector(gizmo.mark.place))
-        self.ring.ring = ring = _ring(context, self.all_marks)
+        self.ring.ring = ring = ring_about(context.object, self.all_marks) if self.all_marks else None
         self.ring.hide = ring is None
         if ring is not None:
             self.ring.matrix_basis = Matrix.Translation(Vector(ring.centre))
-
-
-def _ring(context, all_marks):
-    """The ring about the selected pins that hold; None for a point alone, which cannot be turned."""
-    pins = context.object.planar.pins if all_marks else ()
-    chosen = [mark for mark in all_marks if pins[mark.key].select and pins[mark.key].enabled]
-    if len(chosen) > 1:
-        return Ring(np.mean([mark.target for mark in chosen], axis=0), None, None)
-    if chosen and pins[chosen[0].key].kind == "PATCH":
-        return Ring(chosen[0].target, chosen[0].turned, chosen[0].angle)
-    return None
 
 
 def _distance(context, place, mouse):

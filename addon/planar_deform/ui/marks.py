@@ -15,7 +15,6 @@ from mathutils import Matrix, Vector
 
 RADIUS = 6.0  # pixels at a UI scale of 1, as all lengths here
 OUTLINE = 2.0
-RING = 36.0
 TEXT = 11.0
 
 # Light, dark-rimmed marks read on any drawing; selected ones have the orange that Blender's selections have.
@@ -73,9 +72,9 @@ def draw_patch(centre: Vector, turned: Vector, scale: float, fill: tuple, *, lit
             _shape("disc", _CIRCLE, radius * 0.36, RIM)
 
 
-def draw_ring(centre: Vector, knob: Vector, scale: float, *, lit: bool) -> None:
+def draw_ring(centre: Vector, radius: float, knob: Vector, scale: float, *, lit: bool) -> None:
     """The ring that turns pins, with a knob in a direction of length 1."""
-    radius, color = RING * scale, LIT if lit else SELECTED
+    color = LIT if lit else SELECTED
     with gpu.matrix.push_pop():
         gpu.matrix.translate((centre.x, centre.y))
         _outline("circle", _CIRCLE, radius, RIM, (2.5 if lit else 1.75) * OUTLINE * scale)

@@ -8,7 +8,7 @@ import math
 import bpy
 import numpy as np
 
-from ..scene import modifiers, snapshot, stiffness
+from ..scene import compat, modifiers, snapshot, stiffness
 from ..scene.access import pose_refusal
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
@@ -122,6 +122,9 @@ class PLANAR_PT_stiffness(PlanarPanel, bpy.types.Panel):
             lines(layout, text, "ERROR", context)
         if obj.mode == "WEIGHT_PAINT":
             lines(layout, "Paint 1 where it is stiff, 0 where it is soft; 0.5 is neutral", "INFO", context)
+            brush = compat.brush_weight_owner(context.tool_settings)
+            if brush is not None:
+                layout.prop(brush, "weight", slider=True)
             layout.operator("object.mode_set", text="Done", icon="CHECKMARK").mode = "OBJECT"
         else:
             layout.operator("planar.paint_stiffness", icon="BRUSH_DATA")
