@@ -9,7 +9,7 @@ from functools import partial
 import bpy
 
 from .model import solver_cache
-from .operators import click, drag, interactive, pins, pose_travel, poses, rest, settle, stiffness
+from .operators import click, drag, interactive, pins, pose_travel, poses, record, rest, settle, stiffness
 from .scene import follow, properties, snapshot
 from .ui import gizmos, overlay, panel, poses_panel, quality, tool
 
@@ -21,6 +21,7 @@ MODULES = (
     rest,
     drag,
     settle,
+    record,
     click,
     stiffness,
     poses,

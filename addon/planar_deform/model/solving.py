@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Callable
 
 from .posing import PoseAction, Sample, Solved
 
@@ -39,7 +40,8 @@ class Solving:
         self._hurried = False
         self._stopped = False
         self._error: Exception | None = None
-        self._solved: Solved | None = None  # not yet seen
+        self._solved: Solved | None = None  # not yet shown
+        self._seen: Callable[[Solved], None] | None = None
         self._thread: threading.Thread | None = None
 
     # ---- for Blender's thread
@@ -50,10 +52,13 @@ class Solving:
             self._newest = sample
             self._wake()
 
-    def retrace(self, path: list[Sample]) -> None:
-        """Go back to the start, and along this path with all of its samples."""
+    def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
+        """Go back to the start, and along this path with all of its samples.
+
+        `seen`, called in the thread, gets all that is solved from then on.
+        """
         with self._changed:
-            self._route, self._newest, self._restart = deque(path), None, True
+            self._route, self._newest, self._restart, self._seen = deque(path), None, True, seen
             self._wake()
 
     def hurry(self) -> None:
@@ -63,7 +68,7 @@ class Solving:
             self._changed.notify_all()
 
     def newest(self) -> Solved | None:
-        """The newest there is, unless it has been seen. Raises what the thread raised, and StoppedError."""
+        """The newest there is, unless it was given before. Raises the thread's error, and StoppedError."""
         with self._changed:
             if self._error is not None:
                 raise self._error
@@ -74,7 +79,7 @@ class Solving:
 
     @property
     def settled(self) -> bool:
-        """Whether everything that was asked for is solved, refined, and seen."""
+        """Whether everything that was asked for is solved, refined, and given by `newest`."""
         with self._changed:
             return self._idle and self._solved is None and self._error is None
 
@@ -108,6 +113,8 @@ class Solving:
                 self._action.move(*sample)
                 solved = self._action.solved()
                 with self._changed:
+                    if self._seen is not None and not self._restart:
+                        self._seen(solved)
                     self._solved = solved
                     self._owing = self._restart or bool(self._route) or self._newest is not None
                     self._changed.notify_all()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import bpy
@@ -36,10 +37,19 @@ class SceneAction:
     """
 
     def __init__(
-        self, context: bpy.types.Context, pressed: int = -1, extend: bool = False, *, settling: bool = False
+        self,
+        context: bpy.types.Context,
+        pressed: int = -1,
+        extend: bool = False,
+        *,
+        settling: bool = False,
+        unkeyed: bool = False,
     ):
-        """`settling`: no pin moves, all of them hold. Raises Refusal, with nothing changed."""
-        self.scene = begin(context)
+        """`settling`: no pin moves, all of them hold. `unkeyed`: as in `begin`.
+
+        Raises Refusal, with nothing changed.
+        """
+        self.scene = begin(context, unkeyed=unkeyed)
         obj = context.object
         settings = obj.planar
         if pressed >= len(settings.pins):
@@ -89,21 +99,29 @@ class SceneAction:
 
         Raises Refusal, with everything as it was.
         """
+        try:
+            self.solve(path, settle=settle)
+            solved = self.pose.solved()
+            self._write(solved.positions)
+            self.finish(solved)
+        except Exception:
+            self.cancel()
+            raise
+
+    def solve(
+        self, path: list[Sample], seen: Callable[[Solved], None] | None = None, *, settle: bool = False
+    ) -> None:
+        """Solve a path, here and now, and tell `seen` of each sample; nothing is written. Raises Refusal."""
         solving.halt()
         try:
             for sample in path:
                 self.pose.move(*sample)
+                if seen is not None:
+                    seen(self.pose.solved())
             if settle:
                 self.pose.settle()
-            solved = self.pose.solved()
-            self._write(solved.positions)
-            self.finish(solved)
         except native.SolveError as error:
-            self.cancel()
             raise Refusal(str(error)) from error
-        except Exception:
-            self.cancel()
-            raise
 
     def show(self, solved: Solved) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""

@@ -5,21 +5,18 @@ from __future__ import annotations
 
 import base64
 import binascii
-import math
 
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
-from ..model.drag import Drag, Mode, Point
+from ..model.drag import Mode
 from ..model.posing import Sample, Solved, carried_path
 from ..scene.access import Refusal
-from ..scene.view import ray
 from .action import SceneAction
 from .interactive import PASSED_ON, Interactive, Session
+from .plane_mouse import PlaneMouse
 
-EDGE_ON = "The drawing is seen edge-on here: turn the view first"
-SNAP_PIXELS = 5.0  # at a UI scale of 1, the least that a snapping step is wide
 CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
@@ -87,11 +84,9 @@ class PinTransform(Interactive):
         self.extend = pressed and event.shift
         try:
             self._action = SceneAction(context, self.pin, self.extend)
-            self._view = _view_of(context)
+            self._mouse = PlaneMouse(self._action, context.region, context.region_data, event)
             self._press = (event.mouse_x, event.mouse_y) if pressed else None
-            self._from = self._point(context, event)
-            self._step = self._snapping_step(context, event)
-            self._drag = None if pressed else self._begun()
+            self._drag = None if pressed else self._mouse.begin(self.mode)
         except Refusal as refusal:
             self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
@@ -124,7 +119,7 @@ class PinTransform(Interactive):
             return {"RUNNING_MODAL"}
         drag = self._drag.held(shift=event.shift, ctrl=event.ctrl)
         if event.type == "MOUSEMOVE":
-            drag = self._moved(context, event, drag)
+            drag = self._mouse.moved(context.region, context.region_data, event, drag)
         elif pressed and not (event.is_repeat and event.type in drag.letters):
             drag = drag.pressed(event.type) or drag
         if drag.sample != self._drag.sample:
@@ -147,40 +142,8 @@ class PinTransform(Interactive):
         x, y = self._press
         if event.type != "MOUSEMOVE" or max(abs(event.mouse_x - x), abs(event.mouse_y - y)) < far:
             return False
-        self._drag = self._begun()
+        self._drag = self._mouse.begin(self.mode)
         return True
-
-    def _begun(self) -> Drag:
-        if self._from is None:
-            raise Refusal(EDGE_ON)
-        x, y = self._action.pose.pivot.tolist()
-        return Drag.begin(self.mode, self._action.scene.frame.letters, (x, y), self._from, self._step)
-
-    def _moved(self, context, event, drag):
-        point = self._point(context, event)
-        if point is None:  # the mouse is beyond the horizon of the plane, or over another editor
-            return drag
-        view = _view_of(context)
-        if view != self._view:
-            self._view = view
-            return drag.seen_from_elsewhere(point)
-        return drag.moved(point)
-
-    def _snapping_step(self, context, event) -> float:
-        """The power of ten in world lengths, as Blender's grid has them, that is well visible here."""
-        beside = self._point(context, event, aside=SNAP_PIXELS * context.preferences.system.ui_scale)
-        if self._from is None or beside is None:
-            return 1.0
-        return 10.0 ** math.ceil(math.log10(math.dist(self._from, beside)))
-
-    def _point(self, context, event, aside: float = 0.0) -> Point | None:
-        """Where the mouse is in the plane of the pins, or pixels beside it; None where that is edge-on."""
-        region, view = context.region, context.region_data
-        if region is None or view is None:
-            return None
-        mouse = (event.mouse_x - region.x + aside, event.mouse_y - region.y)
-        point = self._action.scene.plane_from_ray(*ray(region, view, mouse), self._action.part())
-        return None if point is None else (float(point[0]), float(point[1]))
 
     def _confirm(self):
         if self._drag is None:
@@ -196,12 +159,6 @@ class PinTransform(Interactive):
     def keep_result(self, solved: Solved) -> None:
         self.path, self.letters = pack_path(solved.path), "".join(self._drag.letters)
         self.set_end(solved.path[-1])
-
-
-def _view_of(context) -> tuple[float, ...]:
-    """Equal as long as the same mouse position means the same place."""
-    matrix = context.region_data.perspective_matrix if context.region_data else ()
-    return tuple(value for row in matrix for value in row)
 
 
 class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import traceback
+from collections.abc import Callable
 
 import bpy
 from bpy.app.handlers import persistent
@@ -40,8 +41,7 @@ class Session:
         self._solving: Solving | None = None
         self._complete = False  # the last thing asked for is a way that must be gone to its end
         self._timer = context.window_manager.event_timer_add(RATE, window=context.window)
-        context.window.cursor_modal_set("SCROLL_XY")
-        context.workspace.status_text_set(keys)
+        put_up(context, keys)
         _running = self
 
     def ask(self, sample: Sample) -> None:
@@ -49,24 +49,29 @@ class Session:
         self._complete = False
         self._thread.ask(sample)
 
-    def retrace(self, path: list[Sample]) -> None:
-        """Go along this path from the start instead."""
+    def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
+        """Go along this path from the start instead; the thread tells `seen` of each sample."""
         self._complete = True
-        self._thread.retrace(path)
+        self._thread.retrace(path, seen)
 
     def release(self) -> None:
         """No more samples will come: settle."""
         self.released = True
-        _put_away()
+        put_away()
         if self._solving is not None:
             self._solving.hurry()
         self.show()
         if self.shown is not None:
             self.action.keep(self.shown)
 
-    def show(self) -> None:
-        """Show the newest there is. Raises what the thread raised, ObjectGone and Refusal."""
+    def show(self, *, again: bool = False) -> None:
+        """Show the newest there is; `again`, even what has been shown.
+
+        Raises what the thread raised, ObjectGone and Refusal.
+        """
         solved = None if self._solving is None else self._solving.newest()
+        if again:
+            solved = solved or self.shown
         if solved is not None:
             self.action.show(solved)
             self.shown = solved
@@ -101,7 +106,7 @@ class Session:
             bpy.context.window_manager.event_timer_remove(self._timer)
             self._timer = None
         snapshot.release()
-        _put_away()
+        put_away()
 
     def abandon(self) -> None:
         """End it from outside: taken back, unless it has been released."""
@@ -126,7 +131,13 @@ def running() -> Session | None:
     return _running
 
 
-def _put_away() -> None:
+def put_up(context: bpy.types.Context, keys: str) -> None:
+    """Show that a drag is on, and in the status bar what can be pressed."""
+    context.window.cursor_modal_set("SCROLL_XY")
+    context.workspace.status_text_set(keys)
+
+
+def put_away() -> None:
     """Take back what showed that a drag was on."""
     window = bpy.context.window or bpy.context.window_manager.windows[0]
     window.cursor_modal_restore()

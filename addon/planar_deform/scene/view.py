@@ -44,6 +44,16 @@ def ray(
     return np.array(origin, dtype=np.float64), np.array(direction, dtype=np.float64)
 
 
+def regions(area: bpy.types.Area | None) -> list[tuple[bpy.types.Region, bpy.types.RegionView3D]]:
+    """The regions of an area that show its 3D view, four in a quad view, each with its view."""
+    if area is None or area.type != "VIEW_3D":
+        return []
+    space = area.spaces.active
+    views = list(space.region_quadviews) or [space.region_3d]
+    shown = [region for region in area.regions if region.type == "WINDOW"]
+    return list(zip(shown, views, strict=False))
+
+
 def pixels_to(
     region: bpy.types.Region, view: bpy.types.RegionView3D, place: Array, mouse: Sequence[float]
 ) -> float:

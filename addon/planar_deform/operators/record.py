@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Recording: the timeline plays while pins are dragged, and their motion becomes keyed poses."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+
+import bpy
+from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+
+from ..model.posing import Sample, Solved
+from ..model.recording import Poses, Recording, smoothed
+from ..scene import pins, sequence, snapshot
+from ..scene.access import Refusal, begin, pose_refusal
+from ..scene.view import pin_under, regions
+from .action import SceneAction
+from .drag import HIDDEN, pack_path, unpack_path
+from .interactive import PASSED_ON, Interactive, Session, put_away, put_up
+from .plane_mouse import PlaneMouse
+
+WAITING = "Drag a Pin, or Anywhere for the Selected Pins: Record   Esc or RMB: Cancel"
+RECORDING = "Release or Enter: Keep the Motion   Esc or RMB: Discard   Shift: Precise   Ctrl: Snap"
+
+
+class PLANAR_OT_record_pins(Interactive, bpy.types.Operator):
+    bl_idname = "planar.record_pins"
+    bl_label = "Record"
+    bl_description = "Play the timeline while a pin is dragged, and key the poses of its motion"
+    bl_options = {"REGISTER", "UNDO"}
+
+    frame_step: IntProperty(
+        name="Frame Step", description="Frames from one keyed pose to the next", default=1, min=1, soft_max=12
+    )
+    smoothing: FloatProperty(
+        name="Smoothing",
+        description="Frames over which the pins' motion is smoothed; 0 keeps it as it was",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+    )
+    pin: IntProperty(default=-1, min=-1, options=HIDDEN)  # as in planar.drag_pins
+    extend: BoolProperty(options=HIDDEN)
+    path: StringProperty(
+        name="Path", description="Way of the pins with a sample for each frame, as recorded", options=HIDDEN
+    )
+    frame: IntProperty(
+        name="Frame", description="Frame of the first pose; by default the current one", options=HIDDEN
+    )
+
+    @classmethod
+    def poll(cls, context):
+        reason = pose_refusal(context.object) or sequence.refusal(context.object)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        if not self.properties.is_property_set("frame"):
+            self.frame = context.scene.frame_current
+        before = context.scene.frame_current
+        manager = context.window_manager
+        try:
+            poses = self._poses_of(unpack_path(self.path))
+            action = SceneAction(context, self.pin, self.extend, unkeyed=True)
+            manager.progress_begin(0.0, 1.0)
+            try:
+                action.solve(
+                    poses.samples, lambda solved: (poses.seen(solved), manager.progress_update(poses.share))
+                )
+                self._keep(context, action, poses)
+            except Exception:
+                context.scene.frame_set(before)
+                action.cancel()
+                raise
+            finally:
+                manager.progress_end()
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    def invoke(self, context, event):
+        if not regions(context.area):
+            self.report({"ERROR"}, "Pins are recorded in a 3D view: start it there")
+            return {"CANCELLED"}
+        self._session: Session | None = None
+        self._poses: Poses | None = None
+        put_up(context, WAITING)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        return self._wait(context, event) if self._session is None else super().modal(context, event)
+
+    def _wait(self, context, event):
+        """Until a pin is pressed."""
+        if event.value != "PRESS":
+            return {"PASS_THROUGH"}
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            put_away()
+            return {"CANCELLED"}
+        self._region = _region_under(context.area, event)
+        if event.type != "LEFTMOUSE" or self._region is None:
+            return {"PASS_THROUGH"}
+        try:
+            self._start(context, event)
+        except Refusal as refusal:
+            put_away()
+            self.report({"WARNING"}, str(refusal))
+            return {"CANCELLED"}
+        return {"RUNNING_MODAL"}
+
+    def _start(self, context, event):
+        region, view = regions(context.area)[self._region]
+        seen = snapshot.of_active(context)
+        mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
+        pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
+        self.pin, self.extend = -1 if pin is None else pin, event.shift
+        action = SceneAction(context, self.pin, self.extend, unkeyed=True)
+        self._mouse = PlaneMouse(action, region, view, event)
+        try:
+            self._drag = self._mouse.begin("MOVE")
+        except Refusal:
+            action.cancel()
+            raise
+        self._session = Session(context, action, RECORDING)
+        self._recording = Recording()
+        if context.screen.is_animation_playing:
+            bpy.ops.screen.animation_cancel(restore_frame=False)
+        self.frame = context.scene.frame_current
+        self._fps = context.scene.render.fps / context.scene.render.fps_base
+        self._began = time.perf_counter()
+
+    def handle(self, context, event):
+        pressed = event.value == "PRESS"
+        if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
+            return self.stop()
+        if self._poses is not None:
+            return self._solve(context, event)
+        if (event.type == "LEFTMOUSE" and event.value == "RELEASE") or (event.type == "RET" and pressed):
+            return self._end()
+        if event.type == "TIMER":
+            self._play(context)
+        if event.type.startswith(PASSED_ON):
+            return {"PASS_THROUGH"}
+        drag = self._drag.held(shift=event.shift, ctrl=event.ctrl)
+        if event.type == "MOUSEMOVE":
+            seen_by = regions(context.area)
+            region, view = seen_by[self._region] if self._region < len(seen_by) else (None, None)
+            drag = self._mouse.moved(region, view, event, drag)
+        elif pressed and not event.is_repeat and event.type in drag.letters:
+            drag = drag.pressed(event.type)
+        if drag.sample != self._drag.sample:
+            self._recording.add(self._elapsed(), drag.sample)
+            self._session.ask(drag.sample)
+        self._drag = drag
+        return {"RUNNING_MODAL"}
+
+    def _elapsed(self) -> float:
+        """Frames since the start."""
+        return (time.perf_counter() - self._began) * self._fps
+
+    def _play(self, context):
+        """Keep the timeline in step with the clock; frames for which there is no time are left out."""
+        frame = self.frame + int(self._elapsed())
+        if frame != context.scene.frame_current:
+            self._recording.add(self._elapsed(), self._drag.sample)
+            context.scene.frame_set(frame)
+            self._session.show(again=True)  # the new frame may have brought a keyed pose
+            if context.area is not None:
+                context.area.header_text_set(f"Recording: Frame {frame}")
+
+    def _end(self):
+        """The motion is complete: solve it again."""
+        last = int(self._elapsed())
+        self._recording.add(self._elapsed(), self._drag.sample)
+        if last < 1 or self._session.untouched:
+            self.report({"INFO"}, "Nothing is recorded: keep the button pressed while the timeline plays")
+            return self.stop()
+        self.path = pack_path(self._recording.by_frame(last))
+        self._poses = self._poses_of(unpack_path(self.path))
+        self._session.retrace(self._poses.samples, self._poses.seen)
+        return {"RUNNING_MODAL"}
+
+    def _solve(self, context, event):
+        """While the poses are solved."""
+        if event.type == "TIMER":
+            if self._poses.share == 1.0:
+                self._keep(context, self._session.action, self._poses)
+                self.leave()
+                return {"FINISHED"}
+            if context.area is not None:
+                context.area.header_text_set(f"Solving the Poses: {self._poses.share:.0%}   Esc: Discard")
+        return {"PASS_THROUGH"} if event.type.startswith(PASSED_ON) else {"RUNNING_MODAL"}
+
+    def _poses_of(self, path: list[Sample]) -> Poses:
+        if not path:
+            raise Refusal("There is no recorded path: start Record over the drawing and drag a pin")
+        return Poses(smoothed(path, self.smoothing), self.frame_step)
+
+    def _keep(self, context, action: SceneAction, poses: Poses) -> None:
+        """Key the poses; the last one is shown, and the pins hold it."""
+        action.scene.restore()
+        context.scene.frame_set(self.frame + max(poses.by_frame))
+        sequence.put(action.scene, {self.frame + frame: pose for frame, pose in poses.by_frame.items()})
+        solved = poses.last
+        pins.store_results(context.object, begin(context), solved.results)
+
+    def stop(self):
+        result = super().stop()
+        with contextlib.suppress(AttributeError):  # there may be no scene any more
+            bpy.context.scene.frame_set(self.frame)
+        return result
+
+    def cancel(self, context):
+        if self._session is None:
+            put_away()
+        else:
+            super().cancel(context)
+
+    def keep_result(self, solved: Solved) -> None:
+        pass  # the path is kept when it has been recorded
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        column.prop(self, "frame_step")
+        column.prop(self, "smoothing")
+
+
+def _region_under(area: bpy.types.Area | None, event: bpy.types.Event) -> int | None:
+    """Which of the area's views the mouse is in, and in nothing that lies over it."""
+
+    def inside(region: bpy.types.Region) -> bool:
+        x, y = event.mouse_x - region.x, event.mouse_y - region.y
+        return 0 <= x < region.width and 0 <= y < region.height
+
+    found = [index for index, (region, _) in enumerate(regions(area)) if inside(region)]
+    if not found or any(region.type != "WINDOW" and inside(region) for region in area.regions):
+        return None
+    return found[0]
+
+
+CLASSES = (PLANAR_OT_record_pins,)
