@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws two characters, pins and poses them in Blender with the add-on's operators, and renders them.
 
+Their poses are keyed on the timeline. Then one of them is posed by both methods, to compare them.
+
 Run by `make demo`. Writes out/demo.blend and out/contact_sheet.png; with --pictures FOLDER also the docs'
 pictures.
 """
@@ -11,7 +13,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -19,8 +21,10 @@ import numpy as np
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
+APART = 20  # frames from one keyed pose to the next
 sys.path.insert(0, str(ROOT / "addon"))
 
+import comparison  # noqa: E402
 import contact_sheet  # noqa: E402
 import cutout  # noqa: E402
 import dragon  # noqa: E402
@@ -28,8 +32,11 @@ import fox  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
 import puppet  # noqa: E402
+from comparison import Trial  # noqa: E402
 from contact_sheet import View  # noqa: E402
 from drawing import Layer  # noqa: E402
+
+Cell = tuple[str, str, Image.Image]  # label, note, picture
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,8 @@ class Character:
     view: View  # relative to where it stands
     ground: tuple[int, int, int]
     columns: int
+    trials: Sequence[Trial] = ()
+    trial_view: View | None = None
 
 
 def characters() -> list[Character]:
@@ -53,7 +62,8 @@ def characters() -> list[Character]:
         Character("Lantern Fox", fox.layers(), fox.PINS, fox.POSES, 0.052, 0.0,
                   View.around(0.0, -0.4, 5.9, 420, 560), (205, 228, 224), 4),
         Character("River Dragon", dragon.layers(), dragon.PINS, dragon.POSES, 0.060, 8.0,
-                  View.around(0.0, -0.45, 5.5, 858, 470), (248, 222, 196), 2),
+                  View.around(0.0, -0.45, 5.5, 858, 470), (248, 222, 196), 2,
+                  dragon.TRIALS, View.around(-0.2, -0.55, 6.6, 420, 300)),
     ]  # fmt: skip
 
 
@@ -77,11 +87,16 @@ def run(pictures: Path | None) -> None:
     print(f"Blender {bpy.app.version_string}, planar_native {info['version']} with {info['backend']}")
     contact_sheet.prepare_scene(bpy.context.scene)
 
-    rows: list[list[tuple[str, str, Image.Image]]] = []
+    rows: list[list[Cell]] = []
+    compared: list[list[Cell]] = []
     for character in characters():
-        cells = perform(character)
+        obj = build(character)
+        cells = perform(character, obj)
         rows += [cells[i : i + character.columns] for i in range(0, len(cells), character.columns)]
-    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins (AKVF)", rows)
+        compared += [compare(character, obj, trial) for trial in character.trials]
+        bpy.context.scene.frame_set(1)
+        obj.select_set(False)
+    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared)
 
     out = ROOT / "out"
     out.mkdir(exist_ok=True)
@@ -91,44 +106,85 @@ def run(pictures: Path | None) -> None:
     with contact_sheet.silenced_blender():
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
     if pictures:
-        save_pictures(pictures, sheet, rows)
+        save_pictures(pictures, sheet, rows, compared)
     print(f"Wrote out/demo.blend and out/contact_sheet.png; {time.perf_counter() - start:.1f} s in all")
 
 
-def perform(character: Character) -> list[tuple[str, str, Image.Image]]:
-    """Builds, pins and poses a character; prints the figures; returns its cells (label, note, picture)."""
+def build(character: Character) -> bpy.types.Object:
+    """Draws, meshes and pins a character, and makes it the active object; prints its figures."""
     start = time.perf_counter()
     obj = cutout.build(character.name, character.layers, character.spacing, pixels_per_unit=200)
     obj.location.x = character.x
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
-    obj.shape_key_add(name="Basis")
     puppet.add_pins(obj, character.layers, character.pins)
-    triangles = np.array([tuple(face.vertices) for face in obj.data.polygons])
-    rest = puppet.shown_points(obj)
-    parts = "1 layer" if len(character.layers) == 1 else f"{len(character.layers)} layers"
-    size = f"{len(rest)} vertices, {parts}, {len(obj.planar.pins)} pins"
-    angle = cutout.smallest_angle(rest, triangles)
+    angle = cutout.smallest_angle(puppet.shown_points(obj), triangles(obj))
     print(
-        f"{character.name}: {size}, no angle below {angle:.0f} degrees; "
+        f"{character.name}: {size(character, obj)}, no angle below {angle:.0f} degrees; "
         f"drawn and pinned in {time.perf_counter() - start:.1f} s"
     )
+    return obj
 
-    cells = [("Rest", size, picture(character, obj, with_mesh=True))]
-    for pose in character.poses:
-        effort = puppet.strike(obj, character.pins, pose)
-        measure = planar_native.distortion(rest, puppet.shown_points(obj), triangles)
-        quality = f"area {measure.area:.3f} angle {measure.angle:.3f}"
+
+def size(character: Character, obj: bpy.types.Object) -> str:
+    """How large a character is, in words."""
+    layers = "1 layer" if len(character.layers) == 1 else f"{len(character.layers)} layers"
+    return f"{len(obj.data.vertices)} vertices, {layers}, {len(obj.planar.pins)} pins"
+
+
+def triangles(obj: bpy.types.Object) -> np.ndarray:
+    """The faces, m x 3."""
+    return np.array([tuple(face.vertices) for face in obj.data.polygons])
+
+
+def perform(character: Character, obj: bpy.types.Object) -> list[Cell]:
+    """Keys a character's poses; prints their figures."""
+    rest = puppet.shown_points(obj)
+    puppet.key_rest(obj, frame=1)
+    cells = [("Rest", size(character, obj), picture(character, obj, with_mesh=True))]
+    for number, pose in enumerate(character.poses, start=1):
+        effort = puppet.strike(obj, character.pins, pose, frame=1 + APART * number)
+        measure = planar_native.distortion(rest, puppet.shown_points(obj), triangles(obj))
         print(
             f"  {pose.name}: {effort.drags} drags in {effort.seconds:.1f} s, "
-            f"{1000 * effort.seconds / effort.samples:.1f} ms per mouse position, its release included; "
-            f"distortion {quality} (2 is none), {measure.flipped} flipped"
+            f"{1000 * effort.seconds / effort.samples:.1f} ms per mouse position, settling included; "
+            f"distortion {words(measure)} (2 is none)"
         )
-        note = f"{effort.drags} drags, distortion {measure.area:.3f} / {measure.angle:.3f}"
-        cells.append((pose.name, note, picture(character, obj)))
-    obj.select_set(False)
+        cells.append((pose.name, words(measure), picture(character, obj)))
+    bpy.context.scene.frame_end = max(bpy.context.scene.frame_end, 1 + APART * len(character.poses))
     return cells
+
+
+def compare(character: Character, obj: bpy.types.Object, trial: Trial) -> list[Cell]:
+    """What both methods make of the same drags from rest, and how distorted that is; prints the figures."""
+    seen = replace(character, view=character.trial_view)
+    bpy.ops.planar.reset_to_rest()
+    rest = puppet.shown_points(obj)
+    for pin in obj.planar.pins:
+        pin.enabled = pin.group in trial.pins
+    cells: list[Cell] = []
+    for method, label in comparison.METHODS.items():
+        obj.planar.method = method
+        bpy.ops.planar.reset_to_rest()
+        for pin, way in trial.ways:
+            puppet.lead(pin, way)
+        points = puppet.shown_points(obj)
+        measure = planar_native.distortion(rest, points, triangles(obj))
+        off = np.hypot(*(points - rest).T).max() / np.hypot(*np.ptp(rest, axis=0))  # of the diagonal
+        print(f"  {trial.name}, {label}: distortion {words(measure)}; up to {100 * off:.1f} % off rest")
+        told = f"up to {100 * off:.1f} % off rest" if trial.returns else "angle distortion"
+        cells.append((label, words(measure), picture(seen, obj)))
+        cells.append((trial.name, told, comparison.coloured(seen.view, points, triangles(obj), measure)))
+    obj.planar.method = "HOLD"
+    for pin in obj.planar.pins:
+        pin.enabled = True
+    return cells
+
+
+def words(measure: planar_native.Distortion) -> str:
+    """Distortion in words."""
+    return f"area {measure.area:.3f}, angle {measure.angle:.3f}, {measure.flipped} flipped"
 
 
 def picture(character: Character, obj: bpy.types.Object, with_mesh: bool = False) -> Image.Image:
@@ -163,11 +219,14 @@ def show_front_view() -> None:
                 region.view_distance = 14.0
 
 
-def save_pictures(folder: Path, sheet: Image.Image, rows: list[list[tuple[str, str, Image.Image]]]) -> None:
-    """The README's and docs' pictures, small: the whole sheet, and the fox alone."""
+def save_pictures(
+    folder: Path, sheet: Image.Image, rows: list[list[Cell]], compared: list[list[Cell]]
+) -> None:
+    """The README's and docs' pictures, small: the whole sheet, the fox alone, the methods alone."""
     folder.mkdir(parents=True, exist_ok=True)
     fox_only = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
-    for name, image in {"contact_sheet": sheet, "fox": fox_only}.items():
+    methods = contact_sheet.sheet("The same drags by both methods", compared)
+    for name, image in {"contact_sheet": sheet, "fox": fox_only, "methods": methods}.items():
         image.save(folder / f"{name}.jpg", quality=85, optimize=True)
 
 

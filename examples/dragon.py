@@ -9,6 +9,7 @@ import numpy as np
 from shapely.geometry import LineString, Point, Polygon
 from shapely.ops import unary_union
 
+from comparison import Trial, arc, loop
 from drawing import Colour, Layer, blob, curve, ellipse, limb, moved, tint
 from puppet import PinPlan, Pose
 
@@ -283,3 +284,12 @@ POSES = (
         "Tail Fin": -170, "Fore Foot": 4, "Hind Foot": -10,
     }, step=(0.2, -0.30)),
 )  # fmt: skip
+
+TRIALS = (
+    Trial(
+        "Bent to a ring",
+        [("Head", arc((-2.4, 1.9), 0.8, 130)), ("Tail Fin", arc((3.4, 3.4), 0.8, -130))],
+        holding=["Middle"],
+    ),
+    Trial("Round a loop and back", [("Head", loop(1.1))], holding=["Tail Fin", "Fore Foot", "Hind Foot"]),
+)

@@ -16,7 +16,7 @@ import numpy as np
 
 from cutout import layer_vertices
 from drawing import Layer
-from planar_deform.model.posing import RAMP_SAMPLES
+from planar_deform.model.posing import RAMP_SAMPLES, Sample
 from planar_deform.operators.drag import pack_path
 
 LARGEST_TURN = np.radians(5)  # from one sample of a turn to the next, as a calm hand would move
@@ -70,37 +70,41 @@ def add_pins(obj: bpy.types.Object, layers: Sequence[Layer], plans: Sequence[Pin
 
 
 def shown_points(obj: bpy.types.Object) -> np.ndarray:
-    """The posed shape, n x 2 (x, z) in the object's space: the active shape key, else the mesh."""
-    key = obj.active_shape_key
-    data = key.data if key else obj.data.vertices
-    points = np.empty(3 * len(data), np.float32)
-    data.foreach_get("co", points)
+    """The shape that is shown, n x 2 (x, z) in the object's space."""
+    vertices = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
+    points = np.empty(3 * len(vertices), np.float32)
+    vertices.foreach_get("co", points)
     return points.reshape(-1, 3)[:, (0, 2)].astype(float)
 
 
 def pin_points(obj: bpy.types.Object) -> dict[str, np.ndarray]:
-    """Where each pin's group now is (x, z): the mean of its vertices on the shown shape."""
+    """Where the group of each pin that is on now is (x, z): the mean of its vertices on the shown shape."""
     points = shown_points(obj)
     members: dict[int, list[int]] = {}
     for vertex in obj.data.vertices:
         for group in vertex.groups:
             members.setdefault(group.group, []).append(vertex.index)
     return {
-        pin.group: points[members[obj.vertex_groups[pin.group].index]].mean(axis=0) for pin in obj.planar.pins
+        pin.group: points[members[obj.vertex_groups[pin.group].index]].mean(axis=0)
+        for pin in obj.planar.pins
+        if pin.enabled
     }
 
 
-def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose) -> Effort:
-    """Poses a new shape key of the object, named after the pose.
+def key_rest(obj: bpy.types.Object, frame: int) -> None:
+    """Keys the drawing as it was drawn."""
+    bpy.context.scene.frame_set(frame)
+    bpy.ops.planar.reset_to_rest()
+    _key(obj, "Rest")
 
-    All pins move by the step, then one limb after the other turns about its joint.
+
+def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose, frame: int) -> Effort:
+    """Poses the object from rest at a frame and keys that.
+
+    All pins move by the step, then one limb after the other turns about its joint; then the drawing settles.
     """
-    for other in obj.data.shape_keys.key_blocks[1:]:
-        other.value = 0.0
-    key = obj.shape_key_add(name=pose.name, from_mix=False)
-    key.value = 1.0
-    obj.active_shape_key_index = len(obj.data.shape_keys.key_blocks) - 1
-
+    bpy.context.scene.frame_set(frame)
+    bpy.ops.planar.reset_to_rest()
     effort = Effort()
     places = pin_points(obj)
     if any(pose.step):
@@ -118,7 +122,24 @@ def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose) -> Effor
             start = time.perf_counter()
             samples = _turn_limb(obj, plans, places, plan, angle)
             effort.add(samples, time.perf_counter() - start)
+    start = time.perf_counter()
+    bpy.ops.planar.settle_pose()
+    effort.seconds += time.perf_counter() - start
+    _key(obj, pose.name)
     return effort
+
+
+def _key(obj: bpy.types.Object, name: str) -> None:
+    bpy.ops.planar.key_pose()
+    obj.planar.poses[obj.planar.active_pose].name = name
+
+
+def lead(pin: str, way: Sequence[Sample]) -> None:
+    """Takes one pin of the active object along samples, and lets the drawing settle."""
+    pins = bpy.context.object.planar.pins
+    bpy.ops.planar.select_pins(action="SELECT", pin=pins.find(pin))
+    bpy.ops.planar.rotate_pins(angle=way[-1][2], path=pack_path(list(way)))
+    bpy.ops.planar.settle_pose()
 
 
 def _turn_limb(
