@@ -136,3 +136,34 @@ def test_pins_go_before_the_ring(window: Window) -> Iterator[None]:
     assert bpy.context.window_manager.operators[-1].bl_idname == "PLANAR_OT_drag_pins"
     assert selected() == [2]
     assert np.allclose(place(2), (0.2, 0.0, -0.6), atol=0.1), place(2)
+
+
+def test_the_ring_is_pressed_while_the_last_turn_settles(window: Window) -> Iterator[None]:
+    yield from patch(window)
+    centre = window.pixel((1.0, 0.0, 0.0))
+    yield from turn(window, centre, 40.0)
+    yield from window.release()
+    yield from window.move(on_ring(centre, 200.0))  # at once, so that nothing has lit up
+    yield from window.press()
+    for degrees in (200.0, 210.0, 220.0, 230.0):
+        yield from window.move(on_ring(centre, degrees))
+    yield from window.release()
+    yield from window.wait(1.0)
+    assert selected() == [1]
+    assert abs(math.degrees(active().planar.pins[1].angle) - 70.0) < 4.0
+
+
+def test_the_ring_is_as_large_as_the_interface(window: Window) -> Iterator[None]:
+    yield from patch(window)
+    view = bpy.context.preferences.view
+    view.ui_scale = 2.0
+    try:
+        yield from window.wait(0.4)
+        x, y = window.pixel((1.0, 0.0, 0.0))
+        yield from window.hover((x, y + 2 * RADIUS))
+        assert white(window, (x, y + 2 * RADIUS)) > 20
+        yield from window.hover((x, y + RADIUS))
+        assert white(window, (x, y + 2 * RADIUS)) == 0
+    finally:
+        view.ui_scale = 1.0
+    yield from window.wait(0.3)

@@ -127,12 +127,14 @@ def _draw_legend() -> None:
     scale = context.preferences.system.ui_scale
     width, height = BAR[0] * scale, BAR[1] * scale
     margin, gap, line = MARGIN * scale, GAP * scale, marks.TEXT * scale * 1.35
-    right = _right_edge(context) - margin
-    left, bottom = right - width, margin
-    rows = 4 if seen.distortion.flipped else 3
-    top = bottom + (rows - 1) * line + height + 2.0 * gap
+    right = (
+        _right_edge(context) - margin - 4.0 * gap
+    )  # where the bar ends, whose last number is centred there
+    left, bottom = right - width, margin + gap
+    rows = 3 if seen.distortion.flipped else 2
+    top = bottom + rows * line + height + (rows - 1) * gap
     gpu.state.blend_set("ALPHA")
-    _box(left - 2.0 * gap, bottom - gap, right + 3.0 * gap, top + gap, BACK)
+    _box(left - 2.0 * gap, margin - gap, right + 4.0 * gap, top + gap, BACK)
     y = top - line
     marks.draw_text(left, y, f"{kind.title()} Distortion (2 is none)", scale)
     y -= gap + height
@@ -143,7 +145,7 @@ def _draw_legend() -> None:
         _box(x - 0.5 * scale, y + line - 0.5 * gap, x + 0.5 * scale, y + line, marks.PLAIN)
         marks.draw_text(x, y, text, scale, centred=value > 2.0)
     if seen.distortion.flipped:
-        y -= line
+        y -= line + gap
         _box(left, y, left + 1.5 * height, y + height, FLIPPED)
         marks.draw_text(left + 1.5 * height + gap, y, f"Flipped: {seen.distortion.flipped}", scale)
     gpu.state.blend_set("NONE")
