@@ -60,6 +60,10 @@ def test_undo_and_redo():
     did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
     did(bpy.ops.planar.key_pose())
     did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
+    bpy.context.scene.frame_set(13)
+    did({"FINISHED"})
+    did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
+    did(bpy.ops.planar.key_pose())
     did(bpy.ops.planar.delete_pose(pose=0))
     did(bpy.ops.planar.clear_poses())
     for step in range(len(states) - 2, -1, -1):

@@ -97,7 +97,11 @@ def _free_name(taken: set[str]) -> str:
 
 
 def _follow(keys: bpy.types.Key, old: Array, new: Array) -> None:
-    """Take the values of the curve from where blocks were to where they are; between blocks in proportion."""
+    """Take the values of the curve from where blocks were to where they are; between blocks in proportion.
+
+    The keys that are inserted next update the curve. Doing it here would also mark all animation as changed,
+    and the unkeyed pose that has just been keyed would be lost when that is undone.
+    """
     curve = own_curve(keys)
     if curve is None:
         return
@@ -107,7 +111,6 @@ def _follow(keys: bpy.types.Key, old: Array, new: Array) -> None:
         points.foreach_get(field, values)
         values[1::2] = _moved(values[1::2].astype(np.float64), old, new)
         points.foreach_set(field, values)
-    curve.update()
 
 
 def _moved(values: Array, old: Array, new: Array) -> Array:

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keyed poses in the window: keyed from the panel, dragged on and off their frames, undone, played."""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from cutouts import active, moved, ready
+from harness import Window, addon
+
+LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
+
+
+def shown() -> np.ndarray:
+    """What Blender shows of the active object, n x 3 float32."""
+    mesh = active().evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    coordinates = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.vertices.foreach_get("co", coordinates)
+    return coordinates.reshape(-1, 3)
+
+
+def at(frame: int) -> np.ndarray:
+    bpy.context.scene.frame_set(frame)
+    return shown()
+
+
+def pin_place(index: int) -> tuple[float, float, float]:
+    """Where a point pin is in the world: the weighted mean of its vertices as they are shown."""
+    obj = active()
+    group = obj.vertex_groups[obj.planar.pins[index].group].index
+    weights = np.array([sum(e.weight for e in v.groups if e.group == group) for v in obj.data.vertices])
+    x, y, z = weights @ shown() / weights.sum()
+    return (float(x), float(y), float(z))
+
+
+def key_pose(window: Window) -> Iterator[None]:
+    """As the panel's button does."""
+    with window.context("UI"):
+        assert bpy.ops.planar.key_pose("INVOKE_DEFAULT", True) == {"FINISHED"}
+    yield
+
+
+def lift(window: Window, height: float, index: int = 1) -> Iterator[None]:
+    x, y, z = pin_place(index)
+    yield from window.drag(window.pixel((x, y, z)), window.pixel((x, y, z + height)))
+
+
+def keyed(window: Window) -> Iterator[None]:
+    """Poses at frames 1, 25 and 49, and the sidebar open at our tab."""
+    yield from ready(window, LEFT, RIGHT)
+    with window.context():
+        bpy.ops.screen.screen_full_area()  # the sidebar is long
+    yield from window.wait(0.3)
+    window.area.spaces.active.show_region_ui = True
+    yield from window.wait(0.3)
+    window.region("UI").active_panel_category = "Planar"
+    for frame, height in ((1, 0.5), (25, -1.0), (49, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        yield
+        yield from lift(window, height)
+        yield from key_pose(window)
+
+
+def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Window) -> Iterator[None]:
+    yield from keyed(window)
+    poses = {frame: at(frame) for frame in (1, 25, 49)}
+    assert moved(poses[1], poses[25]) > 0.5
+    assert moved(poses[25], poses[49]) > 0.5
+    assert np.allclose(at(13), (poses[1] + poses[25]) / 2, atol=1e-6)
+    yield from window.wait(0.5)
+    window.picture("poses")
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene.frame_end = 49
+    with window.context():
+        bpy.ops.screen.animation_play()
+        yield from window.wait(1.5)
+        bpy.ops.screen.animation_cancel(restore_frame=False)
+    assert bpy.context.scene.frame_current != 1
+    for frame, pose in poses.items():
+        assert np.array_equal(at(frame), pose), frame
+    yield
+
+
+def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) -> Iterator[None]:
+    yield from keyed(window)
+    poses = {frame: at(frame) for frame in (1, 49, 25)}
+    bpy.ops.ed.undo_push(message="Frame")
+    yield
+    yield from window.hover(window.pixel(pin_place(1)))
+    yield from window.press()
+    yield from window.move((window.mouse[0], window.mouse[1] + 80), steps=4)
+    yield from window.settled()
+    assert moved(shown(), poses[25]) > 0.2
+    yield from window.key("ESC")
+    assert np.array_equal(shown(), poses[25])
+    yield from lift(window, 0.7)
+    edited = shown()
+    assert moved(edited, poses[25]) > 0.3
+    assert not addon("scene.sequence").unkeyed(active())
+    yield from window.undo()
+    assert np.array_equal(shown(), poses[25])
+    yield from window.redo()
+    assert np.array_equal(shown(), edited)
+    assert np.array_equal(at(1), poses[1])
+    assert np.array_equal(at(25), edited)
+    yield
+
+
+def test_a_drag_elsewhere_is_unkeyed_undone_redone_and_lost_with_the_frame(window: Window) -> Iterator[None]:
+    sequence = addon("scene.sequence")
+    yield from keyed(window)
+    between = at(13)
+    bpy.ops.ed.undo_push(message="Frame")
+    yield
+    yield from lift(window, 0.7)
+    unkeyed = shown()
+    assert sequence.unkeyed(active())
+    assert moved(unkeyed, between) > 0.3
+    yield from window.wait(0.5)
+    window.picture("unkeyed")
+    yield from lift(window, 0.2)
+    second = shown()
+    yield from window.undo()
+    assert np.array_equal(shown(), unkeyed)
+    yield from window.undo()
+    assert np.array_equal(shown(), between)
+    yield from window.redo()
+    yield from window.redo()
+    assert np.array_equal(shown(), second)
+    yield from key_pose(window)
+    assert np.array_equal(shown(), second)
+    assert not sequence.unkeyed(active())
+    yield from window.undo()
+    assert np.array_equal(shown(), second), "undoing the key leaves the pose that was keyed"
+    assert sequence.unkeyed(active())
+    bpy.context.scene.frame_set(14)
+    assert np.array_equal(at(13), between)
+    yield
+
+
+def test_auto_key_keys_what_was_dragged_in_one_step(window: Window) -> Iterator[None]:
+    yield from keyed(window)
+    between = at(13)
+    bpy.ops.ed.undo_push(message="Frame")
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
+    yield
+    yield from lift(window, 0.7)
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = False
+    dragged = shown()
+    assert np.array_equal(at(13), dragged)
+    assert len(active().planar.poses) == 4
+    yield
+    yield from window.undo()
+    assert len(active().planar.poses) == 3
+    assert np.array_equal(at(13), between)
+    yield
