@@ -83,6 +83,7 @@ class PLANAR_MT_add_pins(bpy.types.Menu):
 
 class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
     bl_label = "Pose"
+    bl_order = 2  # below the list of poses, which is used all the time
 
     @classmethod
     def poll(cls, context):

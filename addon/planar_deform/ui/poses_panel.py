@@ -42,7 +42,9 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             column.operator("planar.delete_pose", text="", icon="REMOVE").pose = -1
             column.separator()
             column.operator("planar.clear_poses", text="", icon="TRASH")
-        layout.operator("planar.key_pose", icon="KEY_HLT")
+        row = layout.row(align=True)
+        row.operator("planar.key_pose", icon="KEY_HLT")
+        row.operator("planar.record_pins", icon="REC")
         row = layout.row(align=True)
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
         row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
