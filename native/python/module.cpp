@@ -152,16 +152,19 @@ PYBIND11_MODULE(_core, m) {
   auto report_class =
       py::class_<Report>(m, "Report", "What the last move, refine or settle of a Poser did.")
           .def_readonly("iterations", &Report::iterations,
-                        "Steps towards the targets: 1 in move, as many as it took in settle.")
-          .def_readonly("substeps", &Report::substeps,
-                        "Pieces these steps were cut into, each one field and one advance along its spirals.")
+                        "Steps towards the targets: a fixed number at most in move and refine, as many as it "
+                        "took in settle.")
+          .def_readonly(
+              "substeps", &Report::substeps,
+              "Pieces that were advanced by: with hold one a step, with akvf as many as a step was cut into.")
           .def_readonly("furthest_handle", &Report::furthest_handle,
                         "Largest distance of a handle from its target, in the unit of the positions.")
           .def_readonly(
               "flipped", &Report::flipped,
               "Triangles of opposite orientation than at rest, judged on float32-rounded positions.")
           .def_readonly("converged", &Report::converged,
-                        "Whether furthest_handle is at most 1e-3 of the diagonal of the rest's box.")
+                        "Whether nothing is left to do: with hold a full Newton step is below 1e-5 of the "
+                        "diagonal of the rest's box, with akvf furthest_handle is at most 1e-3 of it.")
           .def("__repr__", &report_text);
   report_class.attr("__module__") = "planar_native";
 
@@ -205,18 +208,23 @@ rest n x 2, posed n x 2, triangles m x 3. Returns a Distortion; 2 is no distorti
 rest. Raises ValueError.)");
 
   auto poser_class = py::class_<GuardedPoser, PoserRef>(
-      m, "Poser", R"(Poser(rest, triangles, *, method="akvf", pin_weight=None, stiffness=None)
+      m, "Poser", R"(Poser(rest, triangles, *, method="hold", pin_weight=None, stiffness=None)
 
 Poses a mesh by moving handles. The object keeps the posed shape from one move to the next.
 
-rest n x 2, triangles m x 3; method "akvf" is the as-Killing-as-possible deformation of Solomon et al. 2011, (7), (8),
-(14)-(16), in substeps in which no triangle inverts, at most 32 in a move; it departs from the paper where patches turn and
-where triangles are squeezed (planar/poser.h says how). pin_weight is the lambda squared of (7), without unit (None: 1000);
-stiffness is a positive factor per triangle, m.
+rest n x 2, triangles m x 3. method "hold" looks for the least distortion of the rest shape, sum over the triangles of
+stiffness area (|J|^2 + |1/J|^2) (symmetric Dirichlet, J from rest to pose) plus pin_weight times the squared distances of the
+handles from their targets, by projected Newton steps in which no triangle inverts. The pose it settles in does not depend on
+the path, except where there are several (an arm wound the other way round). Method "akvf" is the as-Killing-as-possible deformation of Solomon et al. 2011,
+(7), (8), (14)-(16), in substeps in which no triangle inverts, at most 32 in a move; it forgets the rest shape and departs from
+the paper where patches turn and where triangles are squeezed (planar/poser.h says how). pin_weight has no unit (None: 1000);
+with akvf it is the lambda squared of (7). stiffness is a positive factor per triangle, m.
 
     poser = Poser(rest, triangles)
     poser.set_handles([0, 12])
-    posed = poser.move([[0.0, 0.0], [1.5, 0.2]])
+    for targets in path:
+        posed = poser.move(targets)
+    posed = poser.settle()
 
 Threads may share an object: calls on it wait for each other. Different objects work in parallel.
 Raises ValueError (shape, dtype, not finite, index out of range, unknown method) and SolveError.)");

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Deforms planar triangle meshes by handles: as-Killing-as-possible vector fields (AKVF) and their relatives.
+"""Deforms planar triangle meshes by handles: holding the rest shape, or as-Killing-as-possible fields (AKVF).
 
 NumPy arrays go in and out: positions are n x 2 float64 in any unit of length, triangles m x 3 vertex indices
 of either orientation. Real and integer arrays of any layout are converted; nothing passed in changes.
