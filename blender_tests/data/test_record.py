@@ -126,7 +126,7 @@ def test_a_refusal_leaves_frame_and_mesh(monkeypatch):
     from planar_deform.scene import sequence
     from planar_deform.scene.errors import Refusal
 
-    def refuse(*_):
+    def refuse(*_, **__):
         raise Refusal("that cannot be keyed")
 
     obj = bar()

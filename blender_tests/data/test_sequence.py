@@ -243,6 +243,31 @@ def test_many_poses_at_once_by_frame_step():
         assert same(shown_at(obj, frame), shape)
 
 
+def test_poses_put_throughout_replace_what_is_keyed_between_them():
+    from planar_deform.scene import sequence
+    from planar_deform.scene.access import begin
+
+    obj, shapes = keyed_bar((1, 10, 13, 16, 25, 40))
+    curve = curve_of(obj)
+    curve.keyframe_points.insert(35, curve.keyframe_points[2].co[1])  # 13 is shown at 35, too
+    curve.keyframe_points.insert(12, curve.keyframe_points[2].co[1] - 3.0)  # retiming
+    activate(obj)
+    go_to(1)
+    scene = begin(bpy.context)
+    put = {frame: scene.positions + 0.01 * frame for frame in (10, 14, 18, 22)}
+    expected = {frame: scene.coordinates(positions) for frame, positions in put.items()}
+    sequence.put(scene, put, throughout=True)
+    assert [frame for frame, *_ in timing(obj)] == [1, 10, 14, 18, 22, 25, 35, 40]
+    assert sorted(frames(obj)) == [[1], [10], [14], [18], [22], [25], [35], [40]]
+    for frame, shape in {1: shapes[1], **expected, 25: shapes[25], 35: shapes[13], 40: shapes[40]}.items():
+        assert same(shown_at(obj, frame), shape)
+    # and where that is all there was
+    scene = begin(bpy.context)
+    sequence.put(scene, {0: scene.positions, 50: scene.positions + 0.1}, throughout=True)
+    assert frames(obj) == [[0], [50]]
+    assert same(shown_at(obj, 0), shapes[40])
+
+
 def test_two_hundred_poses_of_five_thousand_vertices(tmp_path):
     from planar_deform.scene import sequence
     from planar_deform.scene.access import begin

@@ -203,7 +203,8 @@ class PLANAR_OT_record_pins(Interactive, bpy.types.Operator):
         """Key the poses; the last one is shown, and the pins hold it."""
         action.scene.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
-        sequence.put(action.scene, {self.frame + frame: pose for frame, pose in poses.by_frame.items()})
+        by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
+        sequence.put(action.scene, by_frame, throughout=True)
         solved = poses.last
         pins.store_results(context.object, begin(context), solved.results)
 

@@ -173,8 +173,8 @@ def keyed_pose_shown(obj: bpy.types.Object, frame: float) -> bpy.types.ShapeKey 
 # -- writing
 
 
-def put(scene: SceneCutout, shapes: Mapping[float, Array]) -> None:
-    """Key poses: n x 2 positions of the cutout by frame.
+def put(scene: SceneCutout, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
+    """Key poses: n x 2 positions of the cutout by frame. `throughout`: keys between those frames go away.
 
     A frame at which a pose is keyed gets the new one in its place, with its easing; the object's sequence is
     begun if it has none. `scene` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
@@ -189,6 +189,8 @@ def put(scene: SceneCutout, shapes: Mapping[float, Array]) -> None:
         drop_scratch(obj)
     else:
         _begin(obj, scene.rest_coordinates())
+    if throughout:
+        _unkey_between(obj, sorted(coordinates))
     new: dict[float, np.ndarray] = {}
     for frame, points in coordinates.items():
         pose = pose_at(obj, frame)
@@ -221,16 +223,9 @@ def remove(obj: bpy.types.Object, pose: int) -> None:
         clear(obj)
         return
     drop_scratch(obj)
-    keys, at = obj.data.shape_keys, obj.planar.poses[pose].at
-    curve = own_curve(keys)
-    if curve is not None:
-        for index in np.flatnonzero(np.abs(keyed(keys)[:, 1] - at) < SAME_PLACE)[::-1].tolist():
-            curve.keyframe_points.remove(curve.keyframe_points[index], fast=True)
-        curve.update()
-    block = block_at(keys, at)
-    if block is not None:
-        obj.shape_key_remove(block)
-    obj.planar.poses.remove(pose)
+    keys = obj.data.shape_keys
+    _remove_keys(keys, np.abs(keyed(keys)[:, 1] - obj.planar.poses[pose].at) < SAME_PLACE)
+    _remove_pose(obj, pose)
     activate(obj, max(0, min(obj.planar.active_pose, len(obj.planar.poses) - 1)))
     _show_frame(obj)
 
@@ -278,6 +273,34 @@ def drop_scratch(obj: bpy.types.Object) -> None:
         block = block_at(obj.data.shape_keys, place)
         if block is not None:
             take_out(obj, block)
+
+
+def _remove_pose(obj: bpy.types.Object, pose: int) -> None:
+    block = block_at(obj.data.shape_keys, obj.planar.poses[pose].at)
+    if block is not None:
+        obj.shape_key_remove(block)
+    obj.planar.poses.remove(pose)
+
+
+def _remove_keys(keys: bpy.types.Key, chosen: np.ndarray) -> None:
+    """Remove those keys of the curve that are chosen (a mask)."""
+    if chosen.any():
+        curve = own_curve(keys)
+        for index in np.flatnonzero(chosen)[::-1].tolist():
+            curve.keyframe_points.remove(curve.keyframe_points[index], fast=True)
+        curve.update()
+
+
+def _unkey_between(obj: bpy.types.Object, frames: list[float]) -> None:
+    """Remove all keys from the first to the last of the frames but those at them, and what only they show."""
+    keys = obj.data.shape_keys
+    at = keyed(keys)[:, 0]
+    kept = (np.abs(at[:, None] - np.array(frames)) < SAME_FRAME).any(axis=1)
+    shown = [bool(frames_of(obj, pose)) for pose in range(len(obj.planar.poses))]
+    _remove_keys(keys, (at > frames[0]) & (at < frames[-1]) & ~kept)
+    for pose in reversed(range(len(shown))):
+        if shown[pose] and not frames_of(obj, pose):
+            _remove_pose(obj, pose)
 
 
 def _show_frame(obj: bpy.types.Object) -> None:
