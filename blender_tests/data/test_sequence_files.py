@@ -172,6 +172,19 @@ def test_foreign_animation_added_to_a_sequence_is_refused():
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
 
 
+def test_a_curve_that_cannot_be_keyed_is_refused():
+    obj, shapes = keyed_bar()
+    curve = curve_of(obj)
+    curve.lock = True
+    assert "locked" in refused(obj)
+    curve.lock = False
+    curve.convert_to_samples(1, 50)
+    assert "samples" in refused(obj)
+    curve.convert_to_keyframes(1, 50)
+    key(obj, 13, 3)
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
+
+
 def test_a_sequence_made_relative_is_refused_until_it_is_absolute_again():
     from planar_deform.scene.access import pose_refusal
 

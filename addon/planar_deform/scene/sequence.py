@@ -106,8 +106,15 @@ def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
             f"The shape keys have an action of their own ('{animation.action.name}'): unlink it in the "
             "Dope Sheet's Shape Key Editor, or work on a copy of the object"
         )
-    if any(curve.data_path != "eval_time" for curve in compat.curves_of(animation) or ()):
-        return "The poses' action animates something else, too: delete its other curves in the Dope Sheet"
+    if not animation.action.is_editable:
+        return "The poses' action is linked from a library: make it local in the Dope Sheet"
+    for curve in compat.curves_of(animation) or ():
+        if curve.data_path != "eval_time":
+            return "The poses' action animates something else, too: delete its other curves in the Dope Sheet"
+        if curve.lock or (curve.group is not None and curve.group.lock):
+            return "The poses' curve is locked: open its lock in the Graph Editor"
+        if curve.sampled_points:
+            return "The poses' curve is made of samples: turn them into keys in the Graph Editor"
     return None
 
 
