@@ -7,6 +7,7 @@
 
 #include "checks.h"
 #include "edge_turns.h"
+#include "flip_repair.h"
 #include "inbetween_input.h"
 #include "midpoint_transition.h"
 #include "paper_inbetween.h"
@@ -20,6 +21,7 @@ struct Inbetweens::State {
   struct Transition {
     MidpointTransition edges;
     PartPlacer::Course course;
+    std::unique_ptr<FlipRepair> repair;  ///< none if there is nothing to repair
   };
 
   State(const std::vector<Points>& shapes, EdgeGraph edge_graph, const InbetweenOptions& options)
@@ -35,7 +37,9 @@ struct Inbetweens::State {
     }
     const auto n_transitions = static_cast<Eigen::Index>(keys.size()) - 1;
     const Eigen::MatrixXi extra = turns_of(graph, keys, options);
-    assembler.factorize(frozen_weights(graph, keys));
+    const std::vector<Points> references = references_of(keys, options);
+    const double tolerance = options.tolerance * diagonal_of(references);
+    assembler.factorize(frozen_weights(graph, references));
     const EdgeTurns unwrapped(graph);
     for (Eigen::Index k = 0; k < n_transitions; ++k) {
       const Points &from = keys[static_cast<std::size_t>(k)], &to = keys[static_cast<std::size_t>(k) + 1];
@@ -45,56 +49,77 @@ struct Inbetweens::State {
       // Extra turns are about the anchor; on its arc they would be orbits.
       if (options.anchor_path == AnchorPath::arc) course.arc_turns = PartPlacer::arcs(part_turns);
       course.turns += 2.0 * std::numbers::pi * extra.row(k).transpose().cast<double>();
-      const MidpointTransition::Settings settings{
-          options.tolerance * diagonal_of(keys), options.max_iterations, [&](double done) {
-            const double share = (static_cast<double>(k) + done) / static_cast<double>(n_transitions);
-            if (options.progress && !options.progress(share)) throw Cancelled();
-          }};
+      const MidpointTransition::Settings settings{tolerance, options.max_iterations, [&](double done) {
+                                                    const double share = (static_cast<double>(k) + done) /
+                                                                         static_cast<double>(n_transitions);
+                                                    if (options.progress && !options.progress(share))
+                                                      throw Cancelled();
+                                                  }};
       settings.progress(0.0);
       MidpointTransition edges(graph, assembler, from, to, turns, part_turns, settings, team);
-      transitions.push_back({std::move(edges), std::move(course)});
+      const Eigen::Index steps = edges.steps();
+      transitions.push_back({std::move(edges), std::move(course), nullptr});
+      const auto unrepaired = [&](const Eigen::VectorXd& u) {
+        return frames(std::vector<Eigen::Index>(static_cast<std::size_t>(u.size()), k), u, false);
+      };
+      auto repair = std::make_unique<FlipRepair>(graph, from, to, steps, unrepaired, settings.progress, team);
+      if (repair->needed()) transitions.back().repair = std::move(repair);
     }
   }
 
-  Eigen::Index find(double time) const {
-    const auto* after = std::upper_bound(times.data(), times.data() + times.size(), time);
-    return std::clamp(static_cast<Eigen::Index>(after - times.data()) - 1, Eigen::Index{0}, times.size() - 2);
-  }
-
-  double share(double time, Eigen::Index k) const { return (time - times[k]) / (times[k + 1] - times[k]); }
-
-  std::vector<Points> sample(const Eigen::VectorXd& wanted) {
-    for (Eigen::Index i = 0; i < wanted.size(); ++i) {
-      if (!(wanted[i] >= times[0] && wanted[i] <= times[times.size() - 1])) {
-        throw std::invalid_argument(row_of("times", i) + "outside of the keys' times");
-      }
-    }
+  /// Frames at shares u[i] of transitions k[i], a pass for FrameAssembler::lanes of them.
+  std::vector<Points> frames(const std::vector<Eigen::Index>& k, const Eigen::VectorXd& u, bool repaired) {
     constexpr Eigen::Index lanes = FrameAssembler::lanes;
-    std::vector<Points> result(static_cast<std::size_t>(wanted.size()));
-    const auto passes = static_cast<std::size_t>(FrameAssembler::padded(wanted.size()) / lanes);
-    team.run(passes, [&](std::size_t pass, std::size_t) {
+    std::vector<Points> result(k.size());
+    const auto passes = static_cast<std::size_t>(FrameAssembler::padded(u.size()) / lanes);
+    team.run(passes, [&](std::size_t pass, std::size_t thread) {
       ComplexRows edges = ComplexRows::Zero(static_cast<Eigen::Index>(graph.edges.size()), lanes);
       ComplexRows points(graph.n_vertices, lanes);
       const Eigen::Index first = static_cast<Eigen::Index>(pass) * lanes;
-      const Eigen::Index count = std::min(lanes, wanted.size() - first);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const Eigen::Index k = find(wanted[first + i]);
-        transitions[static_cast<std::size_t>(k)].edges.sample(share(wanted[first + i], k), edges, i);
-      }
+      const Eigen::Index count = std::min(lanes, u.size() - first);
+      const auto transition = [&](Eigen::Index i) -> const Transition& {
+        return transitions[static_cast<std::size_t>(k[static_cast<std::size_t>(first + i)])];
+      };
+      for (Eigen::Index i = 0; i < count; ++i) transition(i).edges.sample(u[first + i], edges, i);
       assembler.assemble(edges, 0, points);
       for (Eigen::Index i = 0; i < count; ++i) {
-        const double time = wanted[first + i];
-        const Eigen::Index k = find(time);
-        Points& frame = result[static_cast<std::size_t>(first + i)];
-        if (time == times[k] || time == times[k + 1]) {
-          frame = keys[static_cast<std::size_t>(time == times[k] ? k : k + 1)];
-        } else {
-          frame = placer.place(points, i, keys[static_cast<std::size_t>(k)],
-                               keys[static_cast<std::size_t>(k) + 1], share(time, k),
-                               transitions[static_cast<std::size_t>(k)].course);
-        }
+        const auto row = static_cast<std::size_t>(first + i);
+        const auto key = static_cast<std::size_t>(k[row]);
+        result[row] = placer.place(points, i, keys[key], keys[key + 1], u[first + i], transition(i).course);
+        const FlipRepair* repair = transition(i).repair.get();
+        if (!repaired || !repair) continue;
+        Points upright = repair->repaired(result[row], u[first + i], thread);
+        placer.hold_anchors(result[row], upright);
+        result[row] = std::move(upright);
       }
     });
+    return result;
+  }
+
+  std::vector<Points> sample(const Eigen::VectorXd& wanted) {
+    std::vector<Points> result(static_cast<std::size_t>(wanted.size()));
+    std::vector<std::size_t> rows;  // those that are not keys
+    std::vector<Eigen::Index> k;
+    std::vector<double> u;
+    for (Eigen::Index i = 0; i < wanted.size(); ++i) {
+      const double time = wanted[i];
+      if (!(time >= times[0] && time <= times[times.size() - 1])) {
+        throw std::invalid_argument(row_of("times", i) + "outside of the keys' times");
+      }
+      const auto row = static_cast<std::size_t>(i);
+      const auto* after = std::upper_bound(times.data(), times.data() + times.size(), time);
+      const Eigen::Index before = after - times.data() - 1;
+      if (time == times[before]) {
+        result[row] = keys[static_cast<std::size_t>(before)];
+      } else {
+        rows.push_back(row);
+        k.push_back(before);
+        u.push_back((time - times[before]) / (times[before + 1] - times[before]));
+      }
+    }
+    std::vector<Points> solved =
+        frames(k, Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size())), true);
+    for (std::size_t i = 0; i < rows.size(); ++i) result[rows[i]] = std::move(solved[i]);
     return result;
   }
 

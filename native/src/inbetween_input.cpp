@@ -52,10 +52,17 @@ void require_iteration(const InbetweenOptions& options) {
   if (options.threads < 0) throw std::invalid_argument("threads must not be negative");
 }
 
-double diagonal_of(const std::vector<Points>& keys) {
+std::vector<Points> references_of(const std::vector<Points>& keys, const InbetweenOptions& options) {
+  if (options.rest.rows() == 0) return keys;
+  require_rows("rest", options.rest.rows(), keys[0].rows(), "vertex of keys[0]");
+  require_finite("rest", options.rest);
+  return {options.rest};
+}
+
+double diagonal_of(const std::vector<Points>& shapes) {
   double diagonal = 0.0;
-  for (const Points& key : keys) {
-    diagonal = std::max(diagonal, (key.colwise().maxCoeff() - key.colwise().minCoeff()).norm());
+  for (const Points& shape : shapes) {
+    diagonal = std::max(diagonal, (shape.colwise().maxCoeff() - shape.colwise().minCoeff()).norm());
   }
   return diagonal;
 }

@@ -14,11 +14,13 @@ Eigen::VectorXd key_times_of(const std::vector<Points>& keys, const InbetweenOpt
 
 void require_iteration(const InbetweenOptions& options);
 
-/// The largest box diagonal of the keys.
-double diagonal_of(const std::vector<Points>& keys);
+/// The shapes that lengths are taken from: options.rest, or the keys.
+std::vector<Points> references_of(const std::vector<Points>& keys, const InbetweenOptions& options);
 
-/// 1/|e| of (10), an edge's lengths in the given shapes averaged, and held to a ten-thousandth of the mean
-/// edge.
+/// The largest box diagonal of some shapes.
+double diagonal_of(const std::vector<Points>& shapes);
+
+/// 1/|e| of (10), an edge's lengths in some shapes averaged, and held to a ten-thousandth of the mean edge.
 Eigen::VectorXd frozen_weights(const EdgeGraph& graph, const std::vector<Points>& shapes);
 
 /// options.turns as (K-1)×parts.

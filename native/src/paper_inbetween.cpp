@@ -250,7 +250,8 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
   const Eigen::Index last = times.size() - 1;
   ComplexRows edges = first_edges(graph, keys[0], keys[1], turns, last);
   ComplexRows points = ComplexRows::Zero(graph.n_vertices, last + 1), before;
-  const double tolerance = options.tolerance * diagonal_of(keys);
+  const double diagonal = diagonal_of(references_of(keys, options));
+  const double tolerance = options.tolerance * diagonal;
   ThreadTeam team(options.threads);
   LocalStep local(graph, team);
   GlobalStep global(graph);
@@ -263,7 +264,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
       global.assemble(edges, points);
     }
     const double furthest = std::sqrt((points - before).abs2().maxCoeff());
-    if (!std::isfinite(furthest) || furthest > 1e6 * diagonal_of(keys)) {
+    if (!std::isfinite(furthest) || furthest > 1e6 * diagonal) {
       throw SolveError(
           "the paper's iteration diverges: its steps turn edges too far; take more frames or midpoint");
     }

@@ -73,6 +73,19 @@ Points PartPlacer::place(const ComplexRows& points, Eigen::Index column, const P
   return result;
 }
 
+void PartPlacer::hold_anchors(const Points& placed, Points& x) const {
+  std::vector<Eigen::RowVector2d> shift;
+  for (const auto& anchor : anchors_) {
+    Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
+    for (const int v : anchor) sum += placed.row(v) - x.row(v);
+    shift.emplace_back(sum / static_cast<double>(anchor.size()));
+  }
+  for (int v = 0; v < graph_.n_vertices; ++v) {
+    const int part = graph_.part[static_cast<std::size_t>(v)];
+    if (part != -1) x.row(v) += shift[static_cast<std::size_t>(part)];
+  }
+}
+
 Eigen::VectorXd PartPlacer::arcs(const Eigen::VectorXd& turns) {
   return turns.unaryExpr(
       [](double turn) { return std::abs(turn) < 1.5 * std::numbers::pi ? turn : wrapped(turn); });

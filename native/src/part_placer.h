@@ -23,6 +23,9 @@ class PartPlacer {
   Points place(const ComplexRows& points, Eigen::Index column, const Points& from, const Points& to, double u,
                const Course& course) const;
 
+  /// Shifts the parts of x so that their anchors are where they are in `placed`.
+  void hold_anchors(const Points& placed, Points& x) const;
+
   /// The arcs of parts that turn by `turns`; near a whole turn, where the circle would be without bounds, by
   /// what differs from it.
   static Eigen::VectorXd arcs(const Eigen::VectorXd& turns);

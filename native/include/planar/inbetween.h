@@ -35,6 +35,10 @@ struct InbetweenOptions {
   /// K times of the keys, ascending; empty: 0, 1, ..., K-1.
   Eigen::VectorXd key_times{};
 
+  /// n×2 rest shape, or empty. It gives the lengths and the box that weights and tolerance refer to, in place
+  /// of the keys' means, so that what is between two keys depends on no other key.
+  Points rest{};
+
   /// (K-1)×parts extra whole turns between two keys, counter-clockwise, at most 100; a single column is for
   /// all parts; empty: none. Parts are numbered in order of their first vertices, isolated vertices left out.
   Eigen::MatrixXi turns{};
@@ -43,7 +47,7 @@ struct InbetweenOptions {
   Eigen::VectorXi anchor{};
   AnchorPath anchor_path = AnchorPath::straight;
 
-  /// (11): a solution has converged when no vertex moves by more than this share of the keys' box diagonal.
+  /// (11): a solution has converged when no vertex moves by more than this share of the box diagonal.
   double tolerance = 5e-4;
   int max_iterations = 100;
 
@@ -70,12 +74,17 @@ struct InbetweenOptions {
 /// 2. Turns are unwrapped on triangles, smallest difference first, and the mean turn of a part is taken out
 /// and put back exactly, so that only bending is approximated.
 ///
-/// 3. The weights 1/|e| of (10) are frozen at the keys' mean: one factor for all frames and iterations.
+/// 3. The weights 1/|e| of (10) are frozen, at the keys' mean or the rest shape: one factor for all frames
+/// and iterations.
 ///
 /// 4. The unknowns live on a grid between two keys that depends on these two alone. Sampling between its
 /// frames interpolates each edge's length and angle, and assembles by (10).
 ///
-/// 5. Translation, which the paper leaves out: an anchor of each part moves on a path. Isolated vertices move
+/// 5. Where triangles of a mesh would be flipped on the way, though they lie the same way round in both keys,
+/// the transition is tracked: its frames minimise w |x - y|² to the frame y as it was, plus the symmetric
+/// Dirichlet energies with respect to the two keys, blended, each starting from its neighbour.
+///
+/// 6. Translation, which the paper leaves out: an anchor of each part moves on a path. Isolated vertices move
 /// straight.
 class Inbetweens {
  public:

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "flip_repair.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar {
+
+namespace {
+
+constexpr Eigen::Index frames_per_step = 4;
+constexpr double tracked_settled = 1e-4;  // these are only where others start
+constexpr double settled = 1e-5;
+
+}  // namespace
+
+Triangles FlipRepair::flipping(const EdgeGraph& graph, const Points& from, const Points& to,
+                               const std::vector<Points>& frames) const {
+  const Orientation upright(from, graph.triangles);
+  enum : char { still, flips, cannot_help };
+  std::vector<char> state(static_cast<std::size_t>(graph.n_parts), still);
+  std::vector<double> area;
+  const auto mark = [&](const Points& x, char what) {
+    upright.measure(x, area);
+    for (std::size_t t = 0; t < area.size(); ++t) {
+      if (area[t] >= 0.0) continue;
+      char& part = state[static_cast<std::size_t>(
+          graph.part[static_cast<std::size_t>(graph.triangles(static_cast<Eigen::Index>(t), 0))])];
+      part = std::max(part, what);
+    }
+  };
+  for (const Points& frame : frames) mark(frame, flips);
+  mark(to, cannot_help);
+  std::vector<int> rows;
+  for (Eigen::Index t = 0; t < graph.triangles.rows(); ++t) {
+    const int part = graph.part[static_cast<std::size_t>(graph.triangles(t, 0))];
+    if (state[static_cast<std::size_t>(part)] == flips) rows.push_back(static_cast<int>(t));
+  }
+  return graph.triangles(rows, Eigen::all);
+}
+
+FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points& to, Eigen::Index steps,
+                       const Frames& frames, const std::function<void(double)>& progress, ThreadTeam& team) {
+  if (graph.triangles.rows() == 0) return;
+  const Eigen::Index last = frames_per_step * steps;
+  const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(last + 1, 0.0, 1.0);
+  frames_ = frames(u);
+  const Triangles triangles = flipping(graph, from, to, frames_);
+  if (triangles.rows() == 0) return;
+  std::vector<std::unique_ptr<FrameTracker>> trackers;
+  for (int i = 0; i < team.size(); ++i) {
+    trackers.push_back(std::make_unique<FrameTracker>(triangles, from, to));
+  }
+  tracked_ = frames_;
+  const auto step = [&](Eigen::Index k, Eigen::Index neighbour, std::size_t thread) {
+    const Points& y = frames_[static_cast<std::size_t>(k)];
+    const auto start = static_cast<std::size_t>(neighbour);
+    Points x = trackers[thread]->predicted(tracked_[start], frames_[start], y);
+    trackers[thread]->follow(y, u[k], tracked_settled, x);
+    tracked_[static_cast<std::size_t>(k)] = std::move(x);
+  };
+  // Both ways in step, so that progress can be told in this thread.
+  for (Eigen::Index k = 1; k <= last / 2; ++k) {
+    progress(static_cast<double>(2 * k) / static_cast<double>(last));
+    team.run(2 * k == last ? 1 : 2, [&](std::size_t way, std::size_t thread) {
+      way == 0 ? step(k, k - 1, thread) : step(last - k, last - k + 1, thread);
+    });
+  }
+  trackers_ = std::move(trackers);
+}
+
+Points FlipRepair::repaired(const Points& y, double u, std::size_t thread) const {
+  const auto start = static_cast<std::size_t>(std::round(u * static_cast<double>(tracked_.size() - 1)));
+  Points x = trackers_[thread]->predicted(tracked_[start], frames_[start], y);
+  trackers_[thread]->follow(y, u, settled, x);
+  return x;
+}
+
+}  // namespace planar
