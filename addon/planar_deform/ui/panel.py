@@ -102,7 +102,9 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("planar.reset_to_rest")
         row.operator("planar.set_rest_to_current")
-        layout.operator("planar.reset_selected_pins")
+        row = layout.row(align=True)
+        row.operator("planar.reset_selected_pins")
+        row.operator("planar.settle_pose")
         shifting = modifiers.shifting(obj)
         if shifting:
             names = ", ".join(shifting)
