@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <benchmark/benchmark.h>
 
-#include "bare.h"
 #include "planar/poser.h"
 #include "spirals.h"
+#include "systems.h"
 
 /// The parts of a move, each alone, on squares of about 1k to 100k vertices.
 namespace planar::benchmarks {
@@ -14,14 +14,19 @@ void bare_factorization(benchmark::State& state) {
   for (auto _ : state) system.factorize();
 }
 
+void factorization(benchmark::State& state) {
+  OwnSystem system(square(static_cast<int>(state.range(0))));
+  for (auto _ : state) system.factorize();
+}
+
 void assembly(benchmark::State& state) {
   const Shape shape = square(static_cast<int>(state.range(0)));
-  BareSystem system(shape);
+  OwnSystem system(shape);
   for (auto _ : state) system.assemble(shape);
 }
 
 void one_solve(benchmark::State& state) {
-  BareSystem system(square(static_cast<int>(state.range(0))));
+  OwnSystem system(square(static_cast<int>(state.range(0))));
   for (auto _ : state) system.solve();
 }
 
@@ -51,6 +56,7 @@ void sizes(benchmark::internal::Benchmark* run) {
 }
 
 BENCHMARK(bare_factorization)->Apply(sizes);
+BENCHMARK(factorization)->Apply(sizes);
 BENCHMARK(assembly)->Apply(sizes);
 BENCHMARK(one_solve)->Apply(sizes);
 BENCHMARK(log_spirals)->Apply(sizes);

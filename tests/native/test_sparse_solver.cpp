@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCore>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <thread>
 
@@ -113,6 +115,33 @@ TEST_P(SparseSolverTest, SolversInTwoThreadsGiveTheBitsOfOne) {
   other.join();
   EXPECT_EQ(alone, first);
   EXPECT_EQ(alone, second);
+}
+
+TEST_P(SparseSolverTest, LargeSystemsAndRightSidesOfAFewNumbers) {
+  // Blocks of all sizes, and a shape whose factor has gaps.
+  const Shape shape = joined(grid(45), ring(300));
+  const Mesh mesh(shape.vertices.rows(), shape.triangles);
+  const auto solver = SparseSolver::create(GetParam());
+  std::vector<int> kept(static_cast<std::size_t>(mesh.n_vertices));
+  std::iota(kept.begin(), kept.end(), 0);
+  KillingMatrix killing(mesh, solver->fill_reducing_order(vertex_graph(mesh, kept)));
+  killing.assemble(shape.vertices, {}, {1, 1});
+  for (const int v : kept) killing.add(v, v, 0.01);
+  const SymmetricMatrix& matrix = killing.matrix();
+  solver->analyze(matrix);
+  solver->factorize(matrix);
+  const Eigen::Map<const Eigen::SparseMatrix<double>> lower(
+      matrix.size, matrix.size, static_cast<Eigen::Index>(matrix.row.size()), matrix.column_start.data(),
+      matrix.row.data(), matrix.value.data());
+  Eigen::VectorXd x;
+  for (const int step : {1, 1000}) {
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix.size);
+    for (int i = 7; i < matrix.size; i += step) right[i] = std::cos(i);
+    solver->solve(right, x);
+    const Eigen::VectorXd left = lower.selfadjointView<Eigen::Lower>() * x - right;
+    // Entries of the matrix up to 1e2, of x up to 1e2: some units in the last place.
+    EXPECT_LT(left.lpNorm<Eigen::Infinity>(), 1e-11) << step;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, SparseSolverTest, ::testing::ValuesIn(backends()), [](const auto& kind) {
