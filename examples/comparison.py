@@ -64,7 +64,7 @@ def coloured(
     for shape, colour in zip(corners, _colours(quality.share(measure.triangle_angle)), strict=True):
         draw.polygon([tuple(corner) for corner in shape.tolist()], fill=colour)
 
-    left, top, width, bottom = 20 * FINE, 18 * FINE, 130 * FINE, 27 * FINE
+    left, top, width, bottom = 20 * FINE, 18 * FINE, 96 * FINE, 27 * FINE
     for x, colour in enumerate(_colours(np.linspace(0, 1, width))):
         draw.line((left + x, top, left + x, bottom), fill=colour)
     font = ImageFont.load_default(13 * FINE)

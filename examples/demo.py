@@ -86,10 +86,12 @@ def run(pictures: Path | None) -> None:
     info = planar_native.build_info()
     print(f"Blender {bpy.app.version_string}, planar_native {info['version']} with {info['backend']}")
     contact_sheet.prepare_scene(bpy.context.scene)
+    cast = characters()
+    bpy.context.scene.frame_end = 1 + APART * max(len(character.poses) for character in cast)
 
     rows: list[list[Cell]] = []
     compared: list[list[Cell]] = []
-    for character in characters():
+    for character in cast:
         obj = build(character)
         cells = perform(character, obj)
         rows += [cells[i : i + character.columns] for i in range(0, len(cells), character.columns)]
@@ -152,7 +154,6 @@ def perform(character: Character, obj: bpy.types.Object) -> list[Cell]:
             f"distortion {words(measure)} (2 is none)"
         )
         cells.append((pose.name, words(measure), picture(character, obj)))
-    bpy.context.scene.frame_end = max(bpy.context.scene.frame_end, 1 + APART * len(character.poses))
     return cells
 
 

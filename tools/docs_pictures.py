@@ -1,52 +1,58 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the Pose tool in use, for docs/; `make docs` runs it by the window tests' harness."""
+"""Pictures of the add-on in use, for docs/; `make docs` runs it by the window tests' harness."""
 
+import math
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import bpy
+from harness import addon  # type: ignore[import-not-found]  # tests of the window run in it
 
 ROOT = Path(__file__).resolve().parents[1]
+IMAGES = ROOT / "docs" / "images"
+REST, WAVE = 1, 41  # frames of the demo's poses
 
 
-def save(window: Any, name: str) -> None:
-    """The 3D view as a JPEG in docs/images."""
-    area = window.area
-    crop = f"{area.width}x{area.height}+{area.x}+{window.window.height - area.y - area.height}"
-    raw = window.picture(name)
-    target = ROOT / "docs" / "images" / f"{name}.jpg"
-    subprocess.run(["convert", raw, "-crop", crop, "+repage", "-quality", "88", target], check=True)
+def shot(window: Any, name: str, area: Any = None) -> Path:
+    """The area (by default the whole window) as a PNG."""
+    raw: Path = window.picture(name)
+    if area is not None:
+        crop = f"{area.width}x{area.height}+{area.x}+{window.window.height - area.y - area.height}"
+        subprocess.run(["convert", raw, "-crop", crop, "+repage", raw], check=True)
+    return raw
+
+
+def save(name: str, *shots: Path, crop: str = "100%x100%+0+0") -> None:
+    """Shots side by side as a JPEG in docs/images, each cut to the same rectangle."""
+    layout = ["-crop", crop, "+repage", "+append", "-quality", "88"]
+    subprocess.run(["convert", *map(str, shots), *layout, str(IMAGES / f"{name}.jpg")], check=True)
 
 
 def pin_place(window: Any, name: str) -> tuple[int, int]:
     """Where a pin of the active object is on the screen."""
     obj = bpy.context.object
-    (index,) = [group.index for group in obj.vertex_groups if group.name == name]
-    vertices = [v.index for v in obj.data.vertices if any(g.group == index for g in v.groups)]
-    points = [obj.active_shape_key.data[i].co for i in vertices]
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
+    index = obj.vertex_groups[name].index
+    points = [shown[v.index].co for v in obj.data.vertices if any(g.group == index for g in v.groups)]
     place: tuple[int, int] = window.pixel(obj.matrix_world @ (sum(points[1:], points[0]) / len(points)))
     return place
 
 
-def test_pictures_of_the_pose_tool(window: Any) -> Iterator[None]:
+def opened(window: Any, name: str, frame: int, at: tuple[float, float], distance: float) -> Iterator[None]:
+    """The demo with a character active in the Pose tool, seen from the front about a place beside it."""
     bpy.ops.wm.open_mainfile(filepath=str(ROOT / "out" / "demo.blend"), load_ui=False)
     yield from window.wait(0.5)
     bpy.context.preferences.view.show_tooltips = False
-    obj = bpy.data.objects["Lantern Fox"]
-    keys = obj.data.shape_keys.key_blocks
-    for key in keys[1:]:
-        key.value = float(key.name == "Wave")
-    obj.active_shape_key_index = keys.find("Wave")
+    bpy.context.scene.frame_set(frame)
+    obj = bpy.data.objects[name]
     bpy.context.view_layer.objects.active = obj
-
-    with window.context():
-        bpy.ops.screen.screen_full_area()
-    yield from window.wait(0.5)
-    yield from window.look("FRONT", 6.6)
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    yield from window.look("FRONT", distance)
     space = window.area.spaces.active
-    space.region_3d.view_location = (0.35, 0, 2.0)
+    space.region_3d.view_location = (obj.location.x + at[0], 0, at[1])
     space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "FLAT", "TEXTURE"
     space.overlay.show_outline_selected = False
     space.overlay.show_object_origins = False
@@ -59,15 +65,135 @@ def test_pictures_of_the_pose_tool(window: Any) -> Iterator[None]:
     window.region("UI").tag_redraw()
     yield from window.wait(0.5)
 
+
+def large_view(window: Any) -> Iterator[None]:
+    with window.context():
+        bpy.ops.screen.screen_full_area()
+    yield from window.wait(0.5)
+
+
+def pulled(window: Any, name: str, by: tuple[int, int]) -> Iterator[None]:
+    """Press a pin, move it by pixels, and wait until the drawing has followed; the button stays down."""
+    x, y = pin_place(window, name)
+    yield from window.hover((x, y))
+    yield from window.press()
+    yield from window.move((x + by[0], y + by[1]), steps=16)
+    yield from window.settled()
+    yield from window.wait(0.3)
+
+
+def switch_off(*names: str) -> None:
+    for pin in bpy.context.object.planar.pins:
+        pin.enabled = pin.group not in names
+
+
+def released(window: Any) -> Iterator[None]:
+    yield from window.release()
+    yield from window.settled()
+
+
+def test_the_pose_tool(window: Any) -> Iterator[None]:
+    yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 6.6)
+    yield from large_view(window)
+    obj = bpy.context.object
     yield from window.click(pin_place(window, "Near Hand"))
     yield from window.hover(pin_place(window, "Near Elbow"))
-    save(window, "pose_tool")
-
+    save("pose_tool", shot(window, "pose_tool", window.area))
     obj.planar.show_mesh = True
-    start = pin_place(window, "Near Hand")
-    yield from window.hover(start)
-    yield from window.press()
-    yield from window.move((start[0] - 130, start[1] - 60), steps=12)
-    yield from window.wait(0.5)
-    save(window, "pose_tool_drag")
+    yield from pulled(window, "Near Hand", (-130, -60))
+    save("pose_tool_drag", shot(window, "pose_tool_drag", window.area))
     yield from window.key("ESC")
+    obj.planar.show_mesh = False
+
+
+def test_poses(window: Any) -> Iterator[None]:
+    yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 7.6)
+    pins = addon("ui.panel").PLANAR_PT_pins
+    bpy.utils.unregister_class(pins)  # room for the panels below
+    try:
+        bpy.ops.planar.jump_to_pose(pose=2)
+        yield from window.wait(0.5)
+        save("poses", shot(window, "poses"))
+    finally:
+        bpy.utils.register_class(pins)
+
+
+def test_quality(window: Any) -> Iterator[None]:
+    pins = addon("ui.panel").PLANAR_PT_pins
+    yield from opened(window, "River Dragon", REST, (0.6, 1.9), 7.6)
+    yield from large_view(window)
+    bpy.utils.unregister_class(pins)  # room for the panels below
+    try:
+        switch_off("Neck", "Throat")
+        bpy.context.object.planar.show_quality = "ANGLE"
+        yield from pulled(window, "Head", (-90, 80))
+        save("quality", shot(window, "quality", window.area))
+        yield from window.key("ESC")
+    finally:
+        bpy.utils.register_class(pins)
+
+
+def test_stiffness(window: Any) -> Iterator[None]:
+    yield from opened(window, "Lantern Fox", REST, (-0.45, 2.1), 4.2)
+    yield from large_view(window)
+    obj = bpy.context.object
+    switch_off("Near Elbow")
+    next(pin for pin in obj.planar.pins if pin.group == "Near Hand").kind = "POINT"
+    shots: list[Path] = []
+    for name in ("even", "painted"):
+        if name == "painted":
+            bpy.ops.planar.reset_to_rest()
+            bpy.ops.planar.paint_stiffness()
+            paint_arm(obj)
+            yield from window.wait(1.0)
+            shots.insert(0, shot(window, "stiffness_paint", window.area))
+            bpy.ops.object.mode_set(mode="OBJECT")
+            yield from window.use_tool()
+        yield from pulled(window, "Near Hand", (150, 110))
+        yield from released(window)
+        shots.append(shot(window, f"stiffness_{name}", window.area))
+    save("stiffness", *shots, crop="420x460+360+130")
+
+
+def paint_arm(obj: Any) -> None:
+    """Stiff arm, neutral elbow."""
+    group = obj.vertex_groups[obj.planar.stiffness_group]
+    hand, elbow = (obj.vertex_groups[name].index for name in ("Near Hand", "Near Elbow"))
+    depth = next(v.co.y for v in obj.data.vertices if any(g.group == hand for g in v.groups))
+    joint = next(v.co for v in obj.data.vertices if any(g.group == elbow for g in v.groups))
+    for vertex in obj.data.vertices:
+        if abs(vertex.co.y - depth) < 1e-4 and (vertex.co - joint).length > 0.2:
+            group.add([vertex.index], 0.8, "REPLACE")
+
+
+def test_record(window: Any) -> Iterator[None]:
+    pins = addon("ui.panel").PLANAR_PT_pins
+    yield from opened(window, "River Dragon", REST, (0.6, 1.9), 9.0)
+    bpy.utils.unregister_class(pins)
+    scene = bpy.context.scene
+    scene.render.fps = 4  # a hand has time for each frame even where drawing is slow
+    try:
+        switch_off("Neck", "Throat")
+        bpy.ops.planar.clear_poses()
+        bpy.ops.planar.reset_to_rest()
+        with window.context():
+            bpy.ops.planar.record_pins("INVOKE_DEFAULT")
+        yield from window.wait(0.3)
+        x, y = pin_place(window, "Head")
+        yield from window.hover((x, y))
+        yield from window.press()
+        shown = False
+        while scene.frame_current < 40:
+            angle = 0.16 * (scene.frame_current - 1)
+            yield from window.move((x - round(50 * math.sin(angle)), y + round(50 - 50 * math.cos(angle))))
+            if scene.frame_current > 16 and not shown:
+                shown = True
+                save("record", shot(window, "record"))
+        yield from window.release()
+        while window.busy:
+            yield
+        scene.frame_set(17)
+        yield from window.wait(0.5)
+        save("recorded", shot(window, "recorded"))
+    finally:
+        bpy.utils.register_class(pins)
