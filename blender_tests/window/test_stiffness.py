@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 from cutouts import active, moved, place, ready, shape
-from harness import Window
+from harness import Window, fresh_file
 
 LEFT, RIGHT, MIDDLE = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0), (0.0, 0.0, 0.0)
 
@@ -163,3 +163,37 @@ def test_akvf_feels_it_at_the_next_move(window: Window) -> Iterator[None]:
     yield from settled(window)
     assert weights().max() > 0.9
     assert np.array_equal(shape(), before)
+
+
+def test_it_ends_with_the_object_the_file_and_the_add_on(window: Window) -> Iterator[None]:
+    """Errors would be printed, which run.py takes as a failure."""
+    way = (-1.2, 0.0, 0.8), (0.2, 0.0, -0.8)
+    yield from posed(window)
+    yield from paint_mode(window)
+    yield from stroke(window, *way)
+    bpy.ops.object.mode_set("INVOKE_DEFAULT", True, mode="OBJECT")
+    bpy.data.objects.remove(active())
+    yield from window.wait(0.5)
+
+    yield from posed(window)
+    yield from paint_mode(window)
+    yield from stroke(window, *way)
+    yield from window.wait(0.06)
+    fresh_file()
+    yield from window.wait(0.5)
+
+    yield from posed(window)
+    yield from paint_mode(window)
+    yield from stroke(window, *way)
+    name = next(
+        each.module for each in bpy.context.preferences.addons if each.module.endswith("planar_deform")
+    )
+    bpy.ops.preferences.addon_disable(module=name)
+    before = shape()
+    yield from window.wait(0.5)
+    assert np.array_equal(shape(), before)
+    bpy.ops.preferences.addon_enable(module=name)
+    yield from window.wait(0.2)
+    yield from stroke(window, (-1.4, 0.0, -0.3), (-0.6, 0.0, -0.6))
+    yield from settled(window)
+    assert moved(before, shape()) > 0.05, "on again, it follows the next stroke"

@@ -78,6 +78,7 @@ class SceneCutout:
     positions: Array  # n x 2, the shape shown
     frame: PlaneFrame  # of the shape shown, in world-linear space
     vertex_indices: Indices  # n, of each cutout vertex in the mesh
+    stiffness_stamp: str  # of the painting that the cutout's stiffness comes from
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         mesh = obj.data
@@ -118,6 +119,7 @@ class SceneCutout:
         self._depths = _part_means(self.frame.depth(world), parts)
         rest = self._rest_positions(stored, owners, shown, triangles, parts)
         painted = stiffness.painted(obj)
+        self.stiffness_stamp = stiffness.stamp(painted)
         self.cutout = make_cutout(rest, triangles, parts, None if painted is None else painted[used])
 
     # -- reading

@@ -14,7 +14,6 @@ from ..model.locate import MeshPoint
 from ..model.pins import Holder, Pin
 from ..model.posing import PinResult
 from . import rest as rest_store
-from . import stiffness
 from .access import SAME_PLACE, SceneCutout
 
 GROUP_NAME = "Pin"
@@ -117,7 +116,7 @@ def store_results(obj: bpy.types.Object, scene: SceneCutout, results: Iterable[P
         pin.has_target = True
         if pin.kind == "PATCH":
             pin.angle = result.angle
-    obj.planar.solved_stiffness = stiffness.stamp(stiffness.painted(obj))
+    obj.planar.solved_stiffness = scene.stiffness_stamp
 
 
 def forget_targets(obj: bpy.types.Object) -> None:

@@ -21,18 +21,21 @@ CLASSES = ()
 WORST = 2.5
 TICKS = ((2.0, "2"), (2.05, "2.05"), (2.2, "2.2"), (WORST, "2.5+"))
 
-# From little to much: ever darker, from blue to red, which colour-blind people tell apart. What is hardly
-# distorted is hardly covered.
-STOPS = np.array(
+# From little to much: ever darker, from blue to red, which colour-blind people tell apart. The drawing is
+# seen through it, the less the more it is distorted.
+_STOPS = np.array(
     [
-        (0.78, 0.90, 0.98, 0.30),
-        (0.99, 0.86, 0.50, 0.70),
-        (0.97, 0.60, 0.24, 0.80),
-        (0.85, 0.23, 0.14, 0.86),
-        (0.47, 0.00, 0.14, 0.90),
-    ],
-    np.float32,
+        (0.78, 0.90, 0.98, 0.45),
+        (0.99, 0.86, 0.50, 0.72),
+        (0.97, 0.60, 0.24, 0.82),
+        (0.85, 0.23, 0.14, 0.88),
+        (0.47, 0.00, 0.14, 0.92),
+    ]
 )
+_STEPS = 256
+_SCALE = np.stack(
+    [np.interp(np.linspace(0, 1, _STEPS), np.linspace(0, 1, len(_STOPS)), stop) for stop in _STOPS.T], axis=1
+).astype(np.float32)
 FLIPPED = (0.80, 0.0, 0.85, 1.0)
 
 # Pixels at a UI scale of 1.
@@ -56,14 +59,12 @@ _made: _Made | None = None
 _handles: list[object] = []
 
 
-def colours(shares: np.ndarray) -> np.ndarray:
+def _colours(shares: np.ndarray) -> np.ndarray:
     """The colours (k x 4 float32) of places (k,) on the scale, from 0 to 1."""
-    steps = np.linspace(0.0, 1.0, len(STOPS))
-    channels = [np.interp(shares, steps, channel) for channel in STOPS.T]
-    return np.stack(channels, axis=1).astype(np.float32)
+    return _SCALE[np.rint(shares * (_STEPS - 1)).astype(np.intp)]
 
 
-def share(distortion: np.ndarray | float) -> np.ndarray:
+def _share(distortion: np.ndarray | float) -> np.ndarray:
     """Where values of distortion, from 2 to infinity, are on the scale."""
     return np.minimum(np.arccosh(np.maximum(distortion, 2.0) / 2.0) / np.arccosh(WORST / 2.0), 1.0)
 
@@ -83,7 +84,6 @@ def _draw_colours() -> None:
     global _made
     shown = _shown(bpy.context)
     if shown is None:
-        _made = None
         return
     seen, kind = shown
     if _made is None or _made.snapshot is not seen or _made.kind != kind:
@@ -104,7 +104,8 @@ def _make(seen: Snapshot, kind: str) -> _Made:
     distortion = seen.distortion
     assert distortion is not None
     flipped = distortion.triangle_flipped
-    of_triangle = colours(share(distortion.triangle_area if kind == "AREA" else distortion.triangle_angle))
+    values = distortion.triangle_area if kind == "AREA" else distortion.triangle_angle
+    of_triangle = _colours(_share(values))
     of_triangle[flipped] = FLIPPED
     points = seen.points.astype(np.float32)
     content = {"pos": points[seen.triangles.ravel()], "color": np.repeat(of_triangle, 3, axis=0)}
@@ -141,7 +142,7 @@ def _draw_legend() -> None:
     _bar(left, y, width, height)
     y -= line
     for value, text in TICKS:
-        x = left + float(share(value)) * width
+        x = left + float(_share(value)) * width
         _box(x - 0.5 * scale, y + line - 0.5 * gap, x + 0.5 * scale, y + line, marks.PLAIN)
         marks.draw_text(x, y, text, scale, centred=value > 2.0)
     if seen.distortion.flipped:
@@ -162,7 +163,7 @@ def _bar(left: float, bottom: float, width: float, height: float) -> None:
     shares = np.repeat(np.linspace(0.0, 1.0, 33), 2)
     ends = np.tile([bottom, bottom + height], 33)
     content = {"pos": np.stack([left + shares * width, ends], axis=1).astype(np.float32)}
-    content["color"] = colours(shares)
+    content["color"] = _colours(shares)
     content["color"][:, 3] = 1.0
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
     batch_for_shader(shader, "TRI_STRIP", content).draw(shader)
