@@ -59,12 +59,12 @@ _made: _Made | None = None
 _handles: list[object] = []
 
 
-def _colours(shares: np.ndarray) -> np.ndarray:
+def colours(shares: np.ndarray) -> np.ndarray:
     """The colours (k x 4 float32) of places (k,) on the scale, from 0 to 1."""
     return _SCALE[np.rint(shares * (_STEPS - 1)).astype(np.intp)]
 
 
-def _share(distortion: np.ndarray | float) -> np.ndarray:
+def share(distortion: np.ndarray | float) -> np.ndarray:
     """Where values of distortion, from 2 to infinity, are on the scale."""
     return np.minimum(np.arccosh(np.maximum(distortion, 2.0) / 2.0) / np.arccosh(WORST / 2.0), 1.0)
 
@@ -105,7 +105,7 @@ def _make(seen: Snapshot, kind: str) -> _Made:
     assert distortion is not None
     flipped = distortion.triangle_flipped
     values = distortion.triangle_area if kind == "AREA" else distortion.triangle_angle
-    of_triangle = _colours(_share(values))
+    of_triangle = colours(share(values))
     of_triangle[flipped] = FLIPPED
     points = seen.points.astype(np.float32)
     content = {"pos": points[seen.triangles.ravel()], "color": np.repeat(of_triangle, 3, axis=0)}
@@ -142,7 +142,7 @@ def _draw_legend() -> None:
     _bar(left, y, width, height)
     y -= line
     for value, text in TICKS:
-        x = left + float(_share(value)) * width
+        x = left + float(share(value)) * width
         _box(x - 0.5 * scale, y + line - 0.5 * gap, x + 0.5 * scale, y + line, marks.PLAIN)
         marks.draw_text(x, y, text, scale, centred=value > 2.0)
     if seen.distortion.flipped:
@@ -163,7 +163,7 @@ def _bar(left: float, bottom: float, width: float, height: float) -> None:
     shares = np.repeat(np.linspace(0.0, 1.0, 33), 2)
     ends = np.tile([bottom, bottom + height], 33)
     content = {"pos": np.stack([left + shares * width, ends], axis=1).astype(np.float32)}
-    content["color"] = _colours(shares)
+    content["color"] = colours(shares)
     content["color"][:, 3] = 1.0
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
     batch_for_shader(shader, "TRI_STRIP", content).draw(shader)
