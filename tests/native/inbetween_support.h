@@ -42,6 +42,8 @@ inline Points rolled(const Points& straight, double angle) {
   return result;
 }
 
+inline double wrapped_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
 inline Eigen::VectorXd uniform(int frames, double last = 1.0) {
   return Eigen::VectorXd::LinSpaced(frames, 0.0, last);
 }

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "planar/inbetween.h"
+
+namespace planar {
+
+/// The motion of `frames` (f shapes, n×2), made by another shape with the same connectivity (Li et al. 2013,
+/// section 5.1): target (n×2) is its shape where frames[0] is the source's.
+///
+/// Each edge takes over the source's velocity, turned and scaled as the target's edge is to the source's in
+/// the first frame (14). Equation (15), with the first frame fixed and its velocity times the time step,
+/// which is missing in print, is then met exactly: ẽ[k] = S̃ e[k]. Frames are assembled by (10), with weights
+/// 1/|ẽ| frozen at the target's. The paper leaves translation out: here the centroid of each part moves as
+/// the source's, turned and scaled as the target is to the source as a whole. A motion transferred onto its
+/// own shape comes back.
+///
+/// \throw std::invalid_argument no frames, mismatched, non-finite or out-of-range input
+///
+/// \throw SolveError the frames cannot be assembled
+std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Points& target,
+                                    const Triangles& triangles);
+
+/// The same for edges without faces.
+std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Points& target,
+                                    const Edges& edges);
+
+/// A frame that was changed by hand.
+struct FrameEdit {
+  int frame;
+  Points shape;  ///< n×2
+};
+
+/// Spreads changes of single frames over the sequence they are in (section 5.2): edited frames are as given,
+/// and the others keep their motion. With one edit it is the transfer from its frame on, both ways in time.
+/// Between two edits the change of each edge, its turn and scale, goes evenly from one to the other; before
+/// the first and after the last it stays. Parts are shifted likewise.
+///
+/// \param edits in any order; without any the frames come back
+///
+/// \throw std::invalid_argument no frames, mismatched, non-finite or out-of-range input, a frame edited twice
+///
+/// \throw SolveError the frames cannot be assembled
+std::vector<Points> edit_sequence(const std::vector<Points>& frames, const std::vector<FrameEdit>& edits,
+                                  const Triangles& triangles);
+
+/// The same for edges without faces.
+std::vector<Points> edit_sequence(const std::vector<Points>& frames, const std::vector<FrameEdit>& edits,
+                                  const Edges& edges);
+
+}  // namespace planar
