@@ -5,9 +5,13 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "characters.h"
 #include "planar/poser.h"
 #include "shapes.h"
 #include "systems.h"
@@ -18,110 +22,151 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-struct Run {
-  const char* method;
-  PoserMethod kind;
+struct Method {
   const char* name;
-  Shape (*make)(int n);
-  int n;
+  PoserMethod kind;
+};
+
+/// Targets of successive events, and how many moves are to be timed back to back.
+struct Drag {
+  const char* name;
+  Shape shape;
+  std::vector<Points> targets;
   int moves;
 };
 
-struct Result {
-  int vertices;
-  double move, slow_move, bare, latency, slow_latency, solve, one_substep;
+struct Times {
+  std::vector<double> moves, one_substep, paused, factors, solves;
 };
 
-/// Where a hand takes the dragged pin, as offsets in diagonals: once round a loop of a tenth in 120 events,
-/// leaning over on the way, slow at its four corners (0.1 to 0.7 % of the diagonal an event).
+/// Where a hand takes the dragged pin, as an offset in diagonals: round a loop of a tenth in 120 events, and
+/// on; slow at four corners (0.1 to 0.7 % of the diagonal an event).
 Eigen::RowVector2d mouse(int event) {
   const double time = event / 120.0;
   const double turn = 2.0 * pi * time + 0.2 * std::sin(8.0 * pi * time);
   return {0.1 * (std::cos(turn) - 1.0), 0.07 * std::sin(turn) + 0.02 * std::sin(2.0 * turn)};
 }
 
-Result measure(const Run& run) {
-  const Shape shape = run.make(run.n);
-  BareSystem bare(shape);
-  OwnSystem own(shape);
-  Poser poser(shape.vertices, shape.triangles, {.method = run.kind});
-  const Handles handles = Handles::at_vertices(
-      Eigen::Map<const Eigen::VectorXi>(shape.pins.data(), static_cast<Eigen::Index>(shape.pins.size())),
-      shape.vertices.rows());
-  poser.set_handles(handles);
-  const Points start = handles.positions(shape.vertices);
-  int event = 0;
+Points pin_positions(const Shape& shape) {
+  Points result(static_cast<Eigen::Index>(shape.pins.size()), 2);
+  for (Eigen::Index i = 0; i < result.rows(); ++i)
+    result.row(i) = shape.vertices.row(shape.pins[static_cast<std::size_t>(i)]);
+  return result;
+}
+
+Drag mouse_drag(const char* name, Shape shape, int moves) {
+  std::vector<Points> targets;
+  for (int event = 0; event < 120; ++event) {
+    targets.push_back(pin_positions(shape));
+    targets.back().bottomRows<1>() += shape.diagonal * mouse(event);
+  }
+  return {name, std::move(shape), std::move(targets), moves};
+}
+
+/// A published pose of a character: all pins straight to their targets in 20 events, and back.
+Drag pose_drag(const char* name, const std::filesystem::path& folder, std::size_t pose) {
+  auto [vertices, triangles] = characters::read_obj(folder / (std::string(name) + ".obj"));
+  const std::vector<Points> poses = characters::read_poses(folder / (std::string(name) + ".json"));
+  const Points& source = poses.at(2 * pose);
+  const double diagonal = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
+  std::vector<int> pins = characters::nearest_vertices(vertices, source);
+  Shape shape{std::move(vertices), std::move(triangles), std::move(pins), diagonal};
+  std::vector<Points> targets;
+  for (int event = 0; event < 40; ++event) {
+    const double share = 1.0 - std::abs(event - 20) / 20.0;
+    targets.emplace_back(pin_positions(shape) + share * (poses.at(2 * pose + 1) - source));
+  }
+  return {name, std::move(shape), std::move(targets), 100};
+}
+
+/// Rounds of moves back to back, of bare factorizations, and of moves after pauses, so that all meet the same
+/// noise. A worker may go on after a move: what follows one waits.
+Times measure(const Method& method, const Drag& drag) {
+  OwnSystem own(drag.shape);
+  BareSystem bare(own.matrix());
+  Poser poser(drag.shape.vertices, drag.shape.triangles, {.method = method.kind});
+  poser.set_handles(
+      Handles::at_vertices(Eigen::Map<const Eigen::VectorXi>(
+                               drag.shape.pins.data(), static_cast<Eigen::Index>(drag.shape.pins.size())),
+                           drag.shape.vertices.rows()));
+  std::size_t event = 0;
   const auto move = [&] {
-    Points targets = start;
-    targets.bottomRows<1>() += shape.diagonal * mouse(++event);
+    const Points& targets = drag.targets[++event % drag.targets.size()];
     return milliseconds([&] { poser.move(targets); });
   };
-
-  // Rounds of moves back to back, of bare factorizations, and of moves after pauses, so that all meet the
-  // same noise. A worker may go on after a move: what follows one waits.
-  std::vector<double> moves, one_substep, factors, solves, latencies;
-  move();
-  const int rounds = std::max(2, run.moves / 20), in_round = run.moves / rounds;
-  double pause = 0.0;
-  const auto rest = [&pause] {
-    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(pause));
+  Times times;
+  const int rounds = std::max(2, drag.moves / 20), in_round = drag.moves / rounds;
+  const auto rest = [&times] {
+    std::this_thread::sleep_for(
+        std::chrono::duration<double, std::milli>(1.5 * quantile(times.factors, 0.5) + 1.0));
   };
   for (int round = 0; round < rounds; ++round) {
-    for (int i = 0; i < std::max(1, in_round / 4); ++i) {
-      factors.push_back(milliseconds([&] { bare.factorize(); }));
-      solves.push_back(milliseconds([&] { own.solve(); }));
+    for (int i = 0; i < std::max(1, in_round / 5); ++i) {
+      times.factors.push_back(milliseconds([&] { bare.factorize(); }));
+      times.solves.push_back(milliseconds([&] { own.solve(); }));
     }
-    pause = 2.5 * median(factors) + 1.0;
-    move();  // finds its factor made
+    move();  // the first one of a row finds its factor made, or has to make it
     for (int i = 0; i < in_round; ++i) {
-      moves.push_back(move());
-      if (poser.report().substeps == 1) one_substep.push_back(moves.back());
+      times.moves.push_back(move());
+      if (poser.report().substeps == 1) times.one_substep.push_back(times.moves.back());
     }
     for (int i = 0; i < std::max(1, in_round / 5); ++i) {
       rest();
-      latencies.push_back(move());
+      times.paused.push_back(move());
     }
     rest();
   }
-  return {static_cast<int>(shape.vertices.rows()),
-          median(moves),
-          quantile(moves, 0.99),
-          median(factors),
-          median(latencies),
-          quantile(latencies, 0.99),
-          median(solves),
-          median(one_substep)};
+  return times;
+}
+
+/// \return the median move
+double print_drag(const Method& method, const Drag& drag) {
+  const Times times = measure(method, drag);
+  const double move = quantile(times.moves, 0.5), bare = quantile(times.factors, 0.5);
+  const double paused = quantile(times.paused, 0.5), solve = quantile(times.solves, 0.5);
+  std::printf("%-6s%-10s%8d%9.2f%9.2f%9.2f%7.2f", method.name, drag.name,
+              static_cast<int>(drag.shape.vertices.rows()), move, quantile(times.moves, 0.99), bare,
+              move / bare);
+  if (method.kind == PoserMethod::akvf) {
+    std::printf("%10.2f", quantile(times.one_substep, 0.5) / bare);
+  } else {
+    std::printf("%10s", "-");
+  }
+  std::printf("%9.2f%9.2f%9.2f%8.1f\n", paused, quantile(times.paused, 0.99), solve, paused / solve);
+  std::fflush(stdout);
+  return move;
 }
 
 }  // namespace
 
 void print_drags() {
-  const std::vector<std::pair<const char*, PoserMethod>> methods{{"akvf", PoserMethod::akvf}};
+  std::printf(
+      "Moves along a mouse's path (square, figure) and along published poses, in ms, beside one bare\n"
+      "factorization by CHOLMOD in the same run. move: back to back; 1 step: akvf's moves of one substep "
+      "over\n"
+      "bare; paused: the first move after a pause; solve: one of the library, for forces at two handles\n\n"
+      "%-6s%-10s%8s%9s%9s%9s%7s%10s%9s%9s%9s%8s\n",
+      "", "", "vertices", "move", "99%", "bare", "/bare", "1 step", "paused", "99%", "solve", "/solve");
   struct Size {
     int n, moves;
   };
-  std::printf(
-      "Moves along a mouse's path, ms: back to back (median, 99%%), of these the moves of one substep;\n"
-      "after a pause (median, 99%%); one bare factorization and one solve in the same run\n\n"
-      "%-7s%-8s%9s%9s%9s%9s%9s%9s%9s%9s%9s%9s%9s\n",
-      "method", "shape", "vertices", "move", "99%", "bare", "ratio", "1 subst", "ratio", "paused", "99%",
-      "solve", "solves");
-  for (const auto& [name, kind] : methods) {
+  const std::filesystem::path folder = PLANAR_TEST_DATA;
+  for (const Method& method : {Method{"hold", PoserMethod::hold}, Method{"akvf", PoserMethod::akvf}}) {
     double at_5k = 0.0, at_100k = 0.0;
-    for (const auto& [shape, make] :
-         {std::pair<const char*, Shape (*)(int)>{"square", square}, {"figure", figure}}) {
-      for (const Size size : {Size{1000, 400}, {5000, 300}, {10000, 200}, {50000, 20}, {100000, 8}}) {
-        if (make == figure && size.n > 50000) continue;
-        const Result r = measure({name, kind, shape, make, size.n, size.moves});
-        std::printf("%-7s%-8s%9d%9.2f%9.2f%9.2f%9.2f%9.2f%9.2f%9.2f%9.2f%9.2f%9.1f\n", name, shape,
-                    r.vertices, r.move, r.slow_move, r.bare, r.move / r.bare, r.one_substep,
-                    r.one_substep / r.bare, r.latency, r.slow_latency, r.solve, r.latency / r.solve);
-        std::fflush(stdout);
-        if (make == square && size.n == 5000) at_5k = r.move;
-        if (make == square && size.n == 100000) at_100k = r.move;
+    for (const Size& size : {Size{1000, 200}, {5000, 140}, {10000, 80}, {50000, 12}, {100000, 4}}) {
+      const double move = print_drag(method, mouse_drag("square", square(size.n), size.moves));
+      if (size.n == 5000) at_5k = move;
+      if (size.n == 100000) at_100k = move;
+    }
+    for (const Size& size : {Size{1000, 200}, {5000, 140}, {10000, 80}, {50000, 12}}) {
+      print_drag(method, mouse_drag("figure", figure(size.n), size.moves));
+    }
+    for (const char* name : {"elephant", "giraffe", "horse", "racoon"}) {
+      if (std::filesystem::exists(folder / (std::string(name) + ".json"))) {
+        print_drag(method, pose_drag(name, folder, 0));
       }
     }
-    std::printf("%-7sa move grows from 5k to 100k vertices with exponent %.2f\n\n", name,
+    std::printf("%-6sa move grows from 5k to 100k vertices of the square with exponent %.2f\n\n", method.name,
                 std::log(at_100k / at_5k) / std::log(20.0));
   }
 }

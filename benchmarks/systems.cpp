@@ -33,7 +33,7 @@ void OwnSystem::solve() {
   solver_->solve(unknown_, unknown_);
 }
 
-BareSystem::BareSystem(const Shape& shape) : system_(shape) {
+BareSystem::BareSystem(const SymmetricMatrix& lower) {
   // As CHOLMOD is at its best here: a tenth faster with larger supernodes than by default, and with one
   // thread, in the BLAS (if that is OpenBLAS) and in factorize().
   if (openblas_set_num_threads) openblas_set_num_threads(1);
@@ -48,7 +48,6 @@ BareSystem::BareSystem(const Shape& shape) : system_(shape) {
   common_.zrelax[0] = 0.9;
   common_.zrelax[1] = 0.3;
   common_.zrelax[2] = 0.05;
-  const SymmetricMatrix& lower = system_.matrix();
   matrix_.nrow = matrix_.ncol = static_cast<std::size_t>(lower.size);
   matrix_.nzmax = lower.row.size();
   matrix_.p = const_cast<int*>(lower.column_start.data());

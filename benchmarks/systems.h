@@ -33,10 +33,11 @@ class OwnSystem {
 };
 
 /// The measure of everything here: CHOLMOD's own numeric factorization (supernodal LLᵀ, AMD, its BLAS, one
-/// thread) of the same system.
+/// thread) of a system.
 class BareSystem {
  public:
-  explicit BareSystem(const Shape& shape);
+  /// \param lower stays alive
+  explicit BareSystem(const SymmetricMatrix& lower);
   ~BareSystem();
   BareSystem(const BareSystem&) = delete;
   BareSystem& operator=(const BareSystem&) = delete;
@@ -45,7 +46,6 @@ class BareSystem {
 
  private:
   cholmod_common common_{};
-  OwnSystem system_;
   cholmod_sparse matrix_{};
   cholmod_factor* factor_ = nullptr;
 };
@@ -63,7 +63,5 @@ inline double quantile(std::vector<double> values, double share) {
   std::nth_element(values.begin(), values.begin() + place, values.end());
   return values[static_cast<std::size_t>(place)];
 }
-
-inline double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
 }  // namespace planar::benchmarks
