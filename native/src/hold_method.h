@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include "killing_energy.h"
+#include "hold_system.h"
 #include "mesh.h"
 #include "orientation.h"
-#include "pin.h"
 #include "posing_method.h"
-#include "rest_energy.h"
-#include "sparse_solver.h"
 
 namespace planar {
 
-/// PoserMethod::hold: descends the rest energy and the handles' springs, see planar/poser.h.
+/// PoserMethod::hold: descends the rest energy and the pins' springs, see planar/poser.h.
 class HoldMethod final : public PosingMethod {
  public:
   /// \param stiffness m factors, or empty
@@ -24,40 +20,44 @@ class HoldMethod final : public PosingMethod {
   void move(const Points& targets, Points& x, Report& report) override;
   void refine(const Points& targets, Points& x, Report& report) override;
   void settle(const Points& targets, Points& x, Report& report) override;
-  void reset() noexcept override { factor_ = Factor::none; }
+  void reset() noexcept override;
 
  private:
   struct Budget {
     int steps;
     int factors;
+    bool ahead;    ///< make the next factor after the last step instead of during the steps
     double limit;  ///< to how far a vertex may move
   };
-  enum class Factor { none, newton, killing };
+  /// A step along direction_ and what it comes to.
+  struct Step {
+    double length;    ///< of the longest displacement of a vertex, for t = 1
+    double collapse;  ///< the t at which a triangle collapses
+    double t = 0.0;
+  };
 
   void descend(const Points& targets, const Budget& budget, Points& x, Report& report);
-  void set_targets(const Points& targets);
+  void descend_steps(const Budget& budget, const Points& start, Points& x, Report& report);
   bool follow_rigidly(double limit, Points& x);
   double pull(const Points& x, Points* gradient) const;
-  double energy(const Points& x) const;
-  void factorize(Factor kind, const Points& x);
-  void solve();
+  double energy(const Points& x) { return system_.rest_energy().value(x) + pull(x, nullptr); }
+  void renew(const Points& x, int& factors);
+  Step aim(const Points& x);
+  void search(double value, double longest, Points& x, Step& step);
   bool keeps_upright(const Points& x);
 
   Mesh mesh_;
-  std::unique_ptr<SparseSolver> solver_;
-  KillingMatrix matrix_;
   Orientation orientation_;
-  RestEnergy rest_energy_;
-  Eigen::VectorXd stiffness_;
+  HoldSystem system_;
   double diagonal_;
+  std::vector<Pin> pins_;  ///< with targets in Pin::position
 
-  std::vector<Pin> pins_;
-  std::vector<char> active_;  ///< per part: it has a pin
-  Factor factor_ = Factor::none;
-  int age_ = 0;  ///< steps taken with the factor
+  int age_ = 0;               ///< steps taken with the factor
+  double last_length_ = 0.0;  ///< of the step before with it, infinite if that was not a full one
+  bool slow_ = false;         ///< full steps with fresh factors do not get shorter
+  int exact_pause_ = 0, exact_failures_ = 0;
 
-  Points gradient_, direction_, trial_;  // of the step under way
-  Eigen::VectorXd unknown_;
+  Points gradient_, direction_, trial_, further_;  // of the step under way
   std::vector<double> area_, trial_area_;
 };
 

@@ -12,6 +12,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
+constexpr double least_area = 1e-5;  // of the longest edge squared, unless Orientation judges the triangle
 constexpr double flat_stiffness = 1e-3;  // of the springs of a flat triangle; 1 is that of a good one
 constexpr double needs_repair = 1e-3;    // det J
 constexpr double repaired = 0.1;         // det J, and the χ of triangles below it
@@ -76,8 +77,9 @@ RestEnergy::RestEnergy(const Points& rest, const MeshMatrix& matrix, const Orien
     const std::array<Eigen::Vector2d, 3> side{p(2) - p(1), p(0) - p(2), p(1) - p(0)};
     const double factor = stiffness.size() != 0 ? stiffness[element.triangle] : 1.0;
     Triangle triangle{element.vertex, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-    if (orientation.judges(element.triangle)) {
-      const double area = side[2].x() * -side[1].y() + side[2].y() * side[1].x();
+    const double area = side[2].x() * -side[1].y() + side[2].y() * side[1].x();
+    const double longest = std::max({side[0].squaredNorm(), side[1].squaredNorm(), side[2].squaredNorm()});
+    if (orientation.judges(element.triangle) || std::abs(area) > 2.0 * least_area * longest) {
       // The gradient of corner c's hat function is its opposite side, turned by 90°, over twice the area.
       triangle.inverse = 1.0 / area;
       triangle.g1x = -0.5 * side[1].y() * triangle.inverse;
@@ -195,31 +197,33 @@ double RestEnergy::add_flat_gradient(const FlatTriangle& flat, const Points& x, 
 
 namespace {
 
-/// The blocks of a triangle: the sum of the outer products of four vectors.
+/// The blocks of a triangle: a sum of outer products of four vectors, the last one with a sign.
 struct Blocks {
-  // [mode][corner]
-  std::array<std::array<Complex, 3>, 4> mode;
+  std::array<std::array<Complex, 3>, 4> mode;  ///< by mode and corner
+  double last_sign = 1.0;
 
   void add_to(double* value, const MeshMatrix::Element& element) const {
     for (std::size_t c = 0; c < 3; ++c) {
       double xx = 0.0, xy = 0.0, yy = 0.0;
-      for (const auto& m : mode) {
-        xx += m[c].real() * m[c].real();
-        xy += m[c].real() * m[c].imag();
-        yy += m[c].imag() * m[c].imag();
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double x = mode[k][c].real(), y = mode[k][c].imag(), sign = k == 3 ? last_sign : 1.0;
+        xx += sign * x * x;
+        xy += sign * x * y;
+        yy += sign * y * y;
       }
       value[element.diagonal[c]] += xx;
       value[element.diagonal[c] + 1] += xy;
       value[element.diagonal_y[c]] += yy;
     }
     for (std::size_t s = 0; s < 3; ++s) {
-      const std::size_t i = pairs[s][1], j = pairs[s][0];
       double xx = 0.0, yx = 0.0, xy = 0.0, yy = 0.0;
-      for (const auto& m : mode) {
-        xx += m[i].real() * m[j].real();
-        yx += m[i].imag() * m[j].real();
-        xy += m[i].real() * m[j].imag();
-        yy += m[i].imag() * m[j].imag();
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Complex later = mode[k][pairs[s][1]], earlier = mode[k][pairs[s][0]];
+        const double sign = k == 3 ? last_sign : 1.0;
+        xx += sign * later.real() * earlier.real();
+        yx += sign * later.imag() * earlier.real();
+        xy += sign * later.real() * earlier.imag();
+        yy += sign * later.imag() * earlier.imag();
       }
       value[element.below[s]] += xx;
       value[element.below[s] + 1] += yx;
@@ -231,7 +235,8 @@ struct Blocks {
 
 }  // namespace
 
-void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix) const {
+void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix,
+                             bool project) const {
   double* value = matrix.values();
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Triangle& triangle = triangles_[t];
@@ -261,7 +266,8 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
       first = std::max(0.0, mean + radius);
       second = std::max(0.0, mean - radius);
     }
-    const double twist = std::sqrt(triangle.weight * std::max(0.0, j.along_a(psi)));
+    const double along_a = j.along_a(psi);
+    const double twist = std::sqrt(triangle.weight * (project ? std::max(0.0, along_a) : std::abs(along_a)));
     const double shear = std::sqrt(triangle.weight * std::max(0.0, j.along_b(psi)));
     first = std::sqrt(triangle.weight * first);
     second = std::sqrt(triangle.weight * second);
@@ -269,6 +275,7 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
     const double bx = q > 0.0 ? j.bx / q : 1.0, by = q > 0.0 ? j.by / q : 0.0;
 
     Blocks blocks;
+    blocks.last_sign = along_a < 0.0 ? -1.0 : 1.0;
     const std::array<double, 2> gx{triangle.g1x, triangle.g2x}, gy{triangle.g1y, triangle.g2y};
     for (std::size_t c = 0; c < 2; ++c) {
       // a g and b conj(g), with a and b of length 1.
@@ -276,8 +283,8 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
       const double rbx = bx * gx[c] + by * gy[c], rby = by * gx[c] - bx * gy[c];
       blocks.mode[0][c + 1] = {first * (c1 * rax + s1 * rbx), first * (c1 * ray + s1 * rby)};
       blocks.mode[1][c + 1] = {second * (c2 * rax + s2 * rbx), second * (c2 * ray + s2 * rby)};
-      blocks.mode[2][c + 1] = {-twist * ray, twist * rax};
-      blocks.mode[3][c + 1] = {-shear * rby, shear * rbx};
+      blocks.mode[2][c + 1] = {-shear * rby, shear * rbx};
+      blocks.mode[3][c + 1] = {-twist * ray, twist * rax};
     }
     for (auto& m : blocks.mode) m[0] = -(m[1] + m[2]);
     blocks.add_to(value, element);

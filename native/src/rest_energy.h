@@ -23,9 +23,10 @@ namespace planar {
 /// eigensystems for isotropic distortion energies", without a singular value decomposition. Of its
 /// eigenvalues only that of the twist, across a, can be negative.
 ///
-/// Triangles that Orientation does not judge, flat or thinner at rest than what float32 makes of their
-/// corners, have no usable J. They get springs that follow them, k c Σ_edges |e - R e_rest|² with R the best
-/// rotation and a small c, which hold their corners in place and can be turned over without harm.
+/// Triangles that are flat at rest, below 1e-5 of their longest edge squared, have no usable J unless they
+/// are thick enough for Orientation to judge them. They get springs that follow them, k c Σ_edges |e - R
+/// e_rest|² with R the best rotation and a small c, which hold their corners in place and can be turned over
+/// without harm.
 ///
 /// Triangles that are inverted to begin with (relax()) have the χ of Garanzha et al. 2021, "Foldover-free
 /// maps in 50 lines of code", in place of δ: finite energy, and a force that turns them back.
@@ -46,9 +47,10 @@ class RestEnergy {
   double value(const Points& x) const;
   /// Value, and n×2 derivatives by the vertices.
   double gradient(const Points& x, Points& result) const;
-  /// Adds the Hessian at x of the parts that are `active`, triangle by triangle projected to the positive
-  /// semidefinite ones.
-  void add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix) const;
+  /// Adds the Hessian at x of the parts that are `active`; with `project` that of each triangle without its
+  /// negative eigenvalues (under repair and flat triangles are always projected).
+  void add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix,
+                   bool project = true) const;
   /// The least t > 0 at which x + t·direction has a triangle without area that has some at x; infinite if
   /// there is none. Triangles that are inverted at x do not count.
   double first_collapse(const Points& x, const Points& direction) const;
