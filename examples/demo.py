@@ -173,8 +173,8 @@ def compare(character: Character, obj: bpy.types.Object, trial: Trial) -> list[C
         points = puppet.shown_points(obj)
         measure = planar_native.distortion(rest, points, triangles(obj))
         off = np.hypot(*(points - rest).T).max() / np.hypot(*np.ptp(rest, axis=0))  # of the diagonal
-        print(f"  {trial.name}, {label}: distortion {words(measure)}; up to {100 * off:.1f} % off rest")
         told = f"up to {100 * off:.1f} % off rest" if trial.returns else "angle distortion"
+        print(f"  {trial.name}, {label}: distortion {words(measure)}" + f"; {told}" * trial.returns)
         cells.append((label, words(measure), picture(seen, obj)))
         cells.append((trial.name, told, comparison.coloured(seen.view, points, triangles(obj), measure)))
     obj.planar.method = "HOLD"

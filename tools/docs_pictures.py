@@ -26,7 +26,8 @@ def shot(window: Any, name: str, area: Any = None) -> Path:
 
 def save(name: str, *shots: Path, crop: str = "100%x100%+0+0") -> None:
     """Shots side by side as a JPEG in docs/images, each cut to the same rectangle."""
-    layout = ["-crop", crop, "+repage", "+append", "-quality", "88"]
+    layout = ["-crop", crop, "+repage", "-bordercolor", "white", "-border", "2x0" if shots[1:] else "0"]
+    layout += ["+append", "-quality", "88"]
     subprocess.run(["convert", *map(str, shots), *layout, str(IMAGES / f"{name}.jpg")], check=True)
 
 
@@ -72,6 +73,21 @@ def large_view(window: Any) -> Iterator[None]:
     yield from window.wait(0.5)
 
 
+def timeline_below(window: Any) -> Iterator[None]:
+    """Make the timeline high enough to show keys, and show all of them."""
+    timeline = next(area for area in window.window.screen.areas if area.type == "DOPESHEET_EDITOR")
+    middle, edge = timeline.x + timeline.width // 2, timeline.y + timeline.height
+    yield from window.hover((middle, edge))
+    yield from window.press()
+    yield from window.move((middle, edge + 40), steps=4)
+    yield from window.release()
+    yield from window.wait(0.3)
+    region = next(region for region in timeline.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window.window, area=timeline, region=region):
+        bpy.ops.action.view_all()
+    yield from window.wait(0.5)
+
+
 def pulled(window: Any, name: str, by: tuple[int, int]) -> Iterator[None]:
     """Press a pin, move it by pixels, and wait until the drawing has followed; the button stays down."""
     x, y = pin_place(window, name)
@@ -112,7 +128,7 @@ def test_poses(window: Any) -> Iterator[None]:
     bpy.utils.unregister_class(pins)  # room for the panels below
     try:
         bpy.ops.planar.jump_to_pose(pose=2)
-        yield from window.wait(0.5)
+        yield from timeline_below(window)
         save("poses", shot(window, "poses"))
     finally:
         bpy.utils.register_class(pins)
@@ -120,7 +136,7 @@ def test_poses(window: Any) -> Iterator[None]:
 
 def test_quality(window: Any) -> Iterator[None]:
     pins = addon("ui.panel").PLANAR_PT_pins
-    yield from opened(window, "River Dragon", REST, (0.6, 1.9), 7.6)
+    yield from opened(window, "River Dragon", REST, (0.75, 1.9), 8.2)
     yield from large_view(window)
     bpy.utils.unregister_class(pins)  # room for the panels below
     try:
@@ -152,7 +168,7 @@ def test_stiffness(window: Any) -> Iterator[None]:
         yield from pulled(window, "Near Hand", (150, 110))
         yield from released(window)
         shots.append(shot(window, f"stiffness_{name}", window.area))
-    save("stiffness", *shots, crop="420x460+360+130")
+    save("stiffness", *shots, crop="420x500+360+110")
 
 
 def paint_arm(obj: Any) -> None:
@@ -168,7 +184,7 @@ def paint_arm(obj: Any) -> None:
 
 def test_record(window: Any) -> Iterator[None]:
     pins = addon("ui.panel").PLANAR_PT_pins
-    yield from opened(window, "River Dragon", REST, (0.6, 1.9), 9.0)
+    yield from opened(window, "River Dragon", REST, (1.0, 1.6), 9.6)
     bpy.utils.unregister_class(pins)
     scene = bpy.context.scene
     scene.render.fps = 4  # a hand has time for each frame even where drawing is slow
@@ -193,6 +209,9 @@ def test_record(window: Any) -> Iterator[None]:
         while window.busy:
             yield
         scene.frame_set(17)
+        yield from timeline_below(window)
+        options = window.region("HUD")
+        yield from window.click((options.x + 14, options.y + options.height // 2))
         yield from window.wait(0.5)
         save("recorded", shot(window, "recorded"))
     finally:
