@@ -48,14 +48,14 @@ def stiffness_of(painted: Array, triangles: Indices) -> Array:
 
 def diagonal_of(points: Array) -> float:
     """Length of the diagonal of the bounding box of k x d points; 0 for none."""
-    return float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+    return float(np.linalg.norm(np.ptp(np.ascontiguousarray(points.T), axis=1))) if len(points) else 0.0
 
 
 def signed_areas(points: Array, triangles: Indices) -> Array:
     """Signed area (m,) of each triangle on n x 2 points, positive when counter-clockwise."""
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    ab, ac = b - a, c - a
-    areas: Array = 0.5 * (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
+    x, y = np.ascontiguousarray(points.T)
+    i, j, k = np.ascontiguousarray(triangles.T)
+    areas: Array = 0.5 * ((x[j] - x[i]) * (y[k] - y[i]) - (y[j] - y[i]) * (x[k] - x[i]))
     return areas
 
 

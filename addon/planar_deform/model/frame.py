@@ -62,7 +62,7 @@ def plane_frame(points: Array, triangles: Indices, linear: Array) -> PlaneFrame 
     winding.
     """
     x, y, z = np.ascontiguousarray(points.T)
-    i, j, k = triangles.T
+    i, j, k = np.ascontiguousarray(triangles.T)
     ax, ay, az = x[j] - x[i], y[j] - y[i], z[j] - z[i]
     bx, by, bz = x[k] - x[i], y[k] - y[i], z[k] - z[i]
     areas = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
