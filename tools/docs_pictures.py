@@ -122,6 +122,18 @@ def test_the_pose_tool(window: Any) -> Iterator[None]:
     obj.planar.show_mesh = False
 
 
+def test_pins(window: Any) -> Iterator[None]:
+    """One that is off, and a weak one that does not reach its target."""
+    yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 6.6)
+    yield from large_view(window)
+    switch_off("Tail Middle")
+    hand = bpy.context.object.planar.pins["Near Hand"]
+    hand.kind, hand.weight, bpy.context.object.planar.pin_weight = "POINT", 0.02, 0.1
+    yield from pulled(window, "Near Hand", (-200, 110))
+    yield from released(window)
+    save("pins", shot(window, "pins", window.area))
+
+
 def test_poses(window: Any) -> Iterator[None]:
     yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 7.6)
     pins = addon("ui.panel").PLANAR_PT_pins
