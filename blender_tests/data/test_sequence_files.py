@@ -219,6 +219,27 @@ def test_subdividing_during_a_sequence():
     assert same(coordinates(obj.data.vertices)[:65], shapes[1])  # which was made in the mesh
 
 
+def test_shape_keys_that_the_user_adds_to_a_sequence_do_not_come_in_its_way():
+    obj, shapes = keyed_bar()
+    before = len(obj.data.shape_keys.key_blocks)
+    go_to(60)
+    write(obj, 5)
+    obj.shape_key_add(name="Above the scratch", from_mix=True)
+    go_to(60)
+    write(obj, 6)
+    curve_of(obj).keyframe_points[2].co[1] += 100.0  # overshoots into the hold
+    assert np.abs(shown_at(obj, 49) - shapes[49]).max() < 1e-6
+    curve_of(obj).keyframe_points[2].co[1] -= 100.0
+    obj.shape_key_add(name="Behind the poses", from_mix=True)
+    assert len(obj.data.shape_keys.key_blocks) == before + 4
+    shapes[37] = key(obj, 37, 7)
+    shapes[80] = key(obj, 80, 8)
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
+    assert bpy.ops.planar.clear_poses() == {"FINISHED"}
+    assert obj.data.shape_keys is None
+    assert same(coordinates(obj.data.vertices), shapes[1])  # which was made in the mesh
+
+
 def test_a_locked_pose_is_not_written():
     from planar_deform.scene.access import Refusal, begin
 

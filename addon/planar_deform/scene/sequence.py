@@ -246,8 +246,7 @@ def clear(obj: bpy.types.Object) -> None:
         keys.animation_data_clear()
         if action is not None and not action.users:
             bpy.data.actions.remove(action)
-        drop_scratch(obj)
-        for name in [block.name for block in played(keys)]:
+        for name in [block.name for block in keys.key_blocks if block.frame > FIRST - SAME_PLACE]:
             obj.shape_key_remove(keys.key_blocks[name])
         keys.eval_time = 0.0
         if settings.key_before < 0:
@@ -270,7 +269,7 @@ def show_unkeyed(obj: bpy.types.Object, coordinates: np.ndarray) -> None:
         scratch.data.foreach_set("co", coordinates.ravel())
         return
     drop_scratch(obj)  # of another frame: since then, the last pose may have become another
-    add(obj, "Hold", HOLD, points_of(obj, keys.key_blocks[-1]))
+    add(obj, "Hold", HOLD, points_of(obj, played(keys)[-1]))
     add(obj, "Unkeyed", SCRATCH, coordinates)
 
 
