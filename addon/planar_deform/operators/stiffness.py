@@ -119,7 +119,7 @@ def _look() -> float | None:
         if _settling is None:
             _settling = _Settling(obj)
         elif _settling.show():
-            _settling = None
+            _stop()
             if obj.mode == "OBJECT":
                 bpy.ops.ed.undo_push(message="Settle Pose")
             return SOON
