@@ -172,6 +172,61 @@ def test_the_add_on_turned_off_and_on_while_its_tool_is_active(window: Window) -
     assert moved(before, shape()) > 0.3
 
 
+def test_the_add_on_turned_off_during_a_drag_and_while_it_settles(window: Window) -> Iterator[None]:
+    for released in (False, True):
+        yield from ready(window, LEFT, RIGHT)
+        (name,) = [name for name in bpy.context.preferences.addons.keys() if "planar" in name]  # noqa: SIM118
+        before = shape()
+        yield from begin_drag(window)
+        yield from window.settled()
+        assert moved(before, shape()) > 0.3
+        if released:
+            yield from window.move((window.mouse[0], window.mouse[1] + 60))
+            yield from window.release()
+        bpy.ops.preferences.addon_disable(module=name)
+        assert released or np.array_equal(shape(), before), "the drag is taken back"
+        posed = shape()
+        yield from window.move((window.mouse[0] + 5, window.mouse[1] + 5), steps=2)
+        yield from window.release()
+        yield from window.wait(0.2)
+        assert window.busy == []
+        assert np.array_equal(shape(), posed)
+        bpy.ops.preferences.addon_enable(module=name)
+        yield from window.use_tool()
+        yield from window.drag(window.pixel(place(1)), window.pixel((1.2, 0.0, 0.2)))
+        assert moved(posed, shape()) > 0.1
+        fresh_file()
+        yield from window.wait(0.2)
+
+
+def test_a_file_loaded_and_an_object_deleted_while_a_drag_settles(window: Window) -> Iterator[None]:
+    for what in (fresh_file, lambda: bpy.data.objects.remove(active())):
+        yield from ready(window, LEFT, RIGHT)
+        yield from window.hover(window.pixel(place(1)))
+        yield from window.press()
+        yield from window.move(window.pixel((-1.0, 0.0, 1.2)))
+        yield from window.release()
+        what()
+        yield from window.wait(0.3)
+        assert window.busy == []
+        fresh_file()
+        yield from window.wait(0.2)
+
+
+def test_undo_from_elsewhere_ends_the_drag(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    before = shape()
+    yield from window.drag(window.pixel(RIGHT), window.pixel((1.5, 0.0, 0.6)))
+    yield from begin_drag(window)
+    with window.context():
+        bpy.ops.ed.undo("EXEC_DEFAULT", True)
+    yield from window.move((window.mouse[0] + 5, window.mouse[1] + 5), steps=2)
+    yield from window.wait(0.2)
+    assert window.busy == []
+    yield from window.release()
+    assert np.array_equal(shape(), before), "what undo left is not written over"
+
+
 def test_a_drag_makes_a_pose_key_and_escape_takes_it_away(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     active().shape_key_add(name="Basis")
