@@ -66,6 +66,17 @@ def test_several_selected_pins_move_together_and_turn_about_their_centre():
     assert coordinates(obj.data.vertices)[:, :2] == pytest.approx(turned, abs=1e-4)
 
 
+def test_a_script_chooses_what_pins_turn_about():
+    obj = bar()
+    add_end_pins(obj)
+    obj.location = (3.0, 0.0, 0.0)
+    bpy.ops.planar.select_pins(action="ALL")
+    before = coordinates(obj.data.vertices).astype(float)
+    assert bpy.ops.planar.rotate_pins(angle=math.radians(90), pivot=(3.0, 0.0, 5.0)) == {"FINISHED"}
+    turned = np.stack([-before[:, 1], before[:, 0]], axis=1)
+    assert coordinates(obj.data.vertices)[:, :2] == pytest.approx(turned, abs=1e-4)
+
+
 def test_turning_a_point_pin_alone_leaves_the_drawing():
     obj = bar()
     add_end_pins(obj)

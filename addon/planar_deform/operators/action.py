@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import bpy
+import numpy as np
 
 from .. import native
 from ..model import solver_cache, solving
@@ -44,8 +45,9 @@ class SceneAction:
         *,
         settling: bool = False,
         unkeyed: bool = False,
+        pivot: Sequence[float] | None = None,
     ):
-        """`settling`: no pin moves, all of them hold. `unkeyed`: as in `begin`.
+        """`settling`: no pin moves, all of them hold. `unkeyed`: as in `begin`. `pivot`: a world position.
 
         Raises Refusal, with nothing changed.
         """
@@ -68,6 +70,7 @@ class SceneAction:
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
         self._settling = settling
+        self._pivot = None if pivot is None else self.scene.from_world(np.array([pivot], dtype=np.float64))[0]
         if pressed >= 0:
             settings.active_pin = pressed
             self._select(self._moving)
@@ -85,7 +88,7 @@ class SceneAction:
             positions, cutout = self.scene.positions, self.scene.cutout
             make_poser = partial(solver_cache.poser_for, self._key, cutout, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
-            self._pose = PoseAction(cutout, positions, self._pins, moving, make_poser)
+            self._pose = PoseAction(cutout, positions, self._pins, moving, make_poser, self._pivot)
         return self._pose
 
     def part(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
@@ -66,13 +67,17 @@ class PinTransform(Interactive):
         try:
             recorded = unpack_path(self.path)
             path = self.edited(recorded)
-            action = SceneAction(context, self.pin, self.extend)
+            action = SceneAction(context, self.pin, self.extend, pivot=self.given_pivot())
             action.run(path, settle=path != recorded)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         self.letters = "".join(action.scene.frame.letters)
         return {"FINISHED"}
+
+    def given_pivot(self) -> Sequence[float] | None:
+        """What to turn about, in the world; None: the centre of the pins."""
+        return None
 
     # ---- by mouse and keys
 
@@ -83,7 +88,7 @@ class PinTransform(Interactive):
         pressed = self.pin >= 0
         self.extend = pressed and event.shift
         try:
-            self._action = SceneAction(context, self.pin, self.extend)
+            self._action = SceneAction(context, self.pin, self.extend, pivot=self.given_pivot())
             self._mouse = PlaneMouse(self._action, context.region, context.region_data, event)
             self._press = (event.mouse_x, event.mouse_y) if pressed else None
             self._drag = None if pressed else self._mouse.begin(self.mode)
@@ -209,6 +214,16 @@ class PLANAR_OT_rotate_pins(PinTransform, bpy.types.Operator):
         unit="ROTATION",
         options={"SKIP_SAVE"},
     )
+
+    pivot: FloatVectorProperty(
+        name="Pivot",
+        description="World position to turn about; by default the centre of the pins",
+        subtype="XYZ",
+        options=HIDDEN,
+    )
+
+    def given_pivot(self) -> Sequence[float] | None:
+        return self.pivot if self.properties.is_property_set("pivot") else None
 
     def edited(self, path: list[Sample]) -> list[Sample]:
         return carried_path(path, angle=self.angle)

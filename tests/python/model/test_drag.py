@@ -52,7 +52,23 @@ def test_shift_neither_jumps_when_pressed_nor_when_released() -> None:
     assert coarse.sample == finer.sample
     assert coarse.moved((5.0, 4.0)).sample == pytest.approx((2.0 + 2.0 * PRECISE, 2.0, 0.0))
     turned = rotate().moved((1.0, 3.0))
-    assert turned.held(shift=True, ctrl=False).sample == turned.sample == pytest.approx((0.0, 0.0, math.pi / 2))
+    assert (
+        turned.held(shift=True, ctrl=False).sample == turned.sample == pytest.approx((0.0, 0.0, math.pi / 2))
+    )
+
+
+def test_ctrl_snaps_and_lets_go_again() -> None:
+    drag = Drag.begin("MOVE", LETTERS, (0.0, 0.0), (0.0, 0.0), 0.5).moved((1.3, -0.2))
+    snapped = drag.held(shift=False, ctrl=True)
+    assert snapped.sample == (1.5, 0.0, 0.0)
+    assert snapped.moved((1.2, -0.3)).sample == (1.0, -0.5, 0.0)
+    assert press(snapped, "Z").sample == (0.0, 0.0, 0.0)
+    assert press(snapped, "ONE").sample == (1.0, 0.0, 0.0), "a typed number is what it is"
+    assert snapped.held(shift=False, ctrl=False).sample == drag.sample
+    assert drag.held(shift=True, ctrl=True).moved((2.3, -0.2)).sample == pytest.approx((1.4, -0.2, 0.0))
+    turned = rotate().moved((1.0 + 2.0 * math.cos(0.3), 1.0 + 2.0 * math.sin(0.3)))
+    assert turned.held(shift=False, ctrl=True).sample[2] == pytest.approx(math.radians(15.0))
+    assert turned.held(shift=True, ctrl=True).sample[2] == pytest.approx(math.radians(17.0))
 
 
 def test_a_changed_view_moves_nothing_by_itself() -> None:
