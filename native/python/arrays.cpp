@@ -31,7 +31,8 @@ constexpr py::ssize_t kMaxRows = std::numeric_limits<int>::max() / 32;
 std::string shape_text(const py::array& array) {
   std::string text = "(";
   for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
-    text += (axis > 0 ? ", " : "") + std::to_string(array.shape(axis));
+    if (axis > 0) text += ", ";
+    text += std::to_string(array.shape(axis));
   }
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
@@ -117,6 +118,8 @@ Points to_points(const std::string& name, py::handle value, Eigen::Index rows) {
 }
 
 Triangles to_triangles(py::handle value) { return to_integers<Triangles>("triangles", value, kAnyRows, 3); }
+
+Edges to_edges(py::handle value) { return to_integers<Edges>("edges", value, kAnyRows, 2); }
 
 Eigen::VectorXd to_numbers(const std::string& name, py::handle value, Eigen::Index rows) {
   return value.is_none() ? Eigen::VectorXd() : to_reals<Eigen::VectorXd>(name, value, rows, 1);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "planar/handle.h"
+#include "planar/inbetween.h"
 #include "planar/types.h"
 
 namespace planar::python {
@@ -22,6 +23,9 @@ Points to_points(const std::string& name, pybind11::handle value, Eigen::Index r
 
 // m×3 integers.
 Triangles to_triangles(pybind11::handle value);
+
+// m×2 integers.
+Edges to_edges(pybind11::handle value);
 
 // `rows` finite numbers; None gives an empty vector.
 Eigen::VectorXd to_numbers(const std::string& name, pybind11::handle value, Eigen::Index rows);

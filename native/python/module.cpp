@@ -13,6 +13,7 @@
 
 #include "arrays.h"
 #include "guarded_poser.h"
+#include "inbetween_module.h"
 #include "planar/akvf.h"
 #include "planar/build_info.h"
 #include "planar/distortion.h"
@@ -264,6 +265,8 @@ Takes positions, n x 2, as the present shape; None takes the rest shape. Handles
       .def_property_readonly(
           "report", py::cpp_function([](const PoserRef& poser) { return poser->report(); }, without_gil),
           "What the last move, refine or settle did, a Report.");
+
+  bind_inbetween(m);
 
   m.def("build_info", &py_build_info, R"(build_info()
 

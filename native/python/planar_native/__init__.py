@@ -14,23 +14,33 @@ Every solve runs without the GIL.
 """
 
 from ._core import (
+    Cancelled,
     Distortion,
+    Inbetweens,
     Poser,
     Report,
     SolveError,
     advance_along_spirals,
     build_info,
     distortion,
+    edit_sequence,
+    inbetween,
     killing_field,
+    transfer_motion,
 )
 
 __all__ = [
+    "Cancelled",
     "Distortion",
+    "Inbetweens",
     "Poser",
     "Report",
     "SolveError",
     "advance_along_spirals",
     "build_info",
     "distortion",
+    "edit_sequence",
+    "inbetween",
     "killing_field",
+    "transfer_motion",
 ]

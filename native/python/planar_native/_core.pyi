@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from collections.abc import Callable, Mapping
 from typing import Any, Literal, final
 
 from numpy import bool_, float64
@@ -7,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 _Handles = ArrayLike | tuple[ArrayLike, ArrayLike]
 
 class SolveError(RuntimeError): ...
+class Cancelled(RuntimeError): ...  # noqa: N818
 
 @final
 class Distortion:
@@ -74,4 +76,55 @@ class Poser:
     @property
     def report(self) -> Report: ...
 
+def inbetween(
+    keys: ArrayLike,
+    times: ArrayLike,
+    *,
+    triangles: ArrayLike | None = None,
+    edges: ArrayLike | None = None,
+    key_times: ArrayLike | None = None,
+    rest: ArrayLike | None = None,
+    turns: ArrayLike | None = None,
+    method: Literal["midpoint", "paper", "global"] = "midpoint",
+    anchor: ArrayLike | None = None,
+    anchor_path: Literal["straight", "arc"] = "straight",
+    tolerance: float = 5e-4,
+    max_iterations: int = 100,
+    threads: int = 0,
+    progress: Callable[[float], bool | None] | None = None,
+) -> NDArray[float64]: ...
+
+class Inbetweens:
+    def __init__(
+        self,
+        keys: ArrayLike,
+        *,
+        triangles: ArrayLike | None = None,
+        edges: ArrayLike | None = None,
+        key_times: ArrayLike | None = None,
+        rest: ArrayLike | None = None,
+        turns: ArrayLike | None = None,
+        anchor: ArrayLike | None = None,
+        anchor_path: Literal["straight", "arc"] = "straight",
+        tolerance: float = 5e-4,
+        max_iterations: int = 100,
+        threads: int = 0,
+        progress: Callable[[float], bool | None] | None = None,
+    ) -> None: ...
+    def at(self, times: ArrayLike) -> NDArray[float64]: ...
+
+def transfer_motion(
+    frames: ArrayLike,
+    target: ArrayLike,
+    *,
+    triangles: ArrayLike | None = None,
+    edges: ArrayLike | None = None,
+) -> NDArray[float64]: ...
+def edit_sequence(
+    frames: ArrayLike,
+    edits: Mapping[int, ArrayLike],
+    *,
+    triangles: ArrayLike | None = None,
+    edges: ArrayLike | None = None,
+) -> NDArray[float64]: ...
 def build_info() -> dict[str, Any]: ...

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""In-betweening, transfer of motions and editing of sequences through the module."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import planar_native
+
+
+def bar(columns: int = 20) -> tuple[np.ndarray, np.ndarray]:
+    x, y = np.meshgrid(np.linspace(0, 1, columns + 1), [-0.05, 0.05])
+    rest = np.column_stack([x.ravel(), y.ravel()])
+    a = np.arange(columns)
+    above = a + columns + 1
+    triangles = np.concatenate(
+        [np.column_stack([a, a + 1, above]), np.column_stack([a + 1, above + 1, above])]
+    )
+    return rest, triangles
+
+
+def rolled(rest: np.ndarray, angle: float) -> np.ndarray:
+    radius = 1 / angle - rest[:, 1]
+    turn = rest[:, 0] * angle
+    return np.column_stack([radius * np.sin(turn), 1 / angle - radius * np.cos(turn)])
+
+
+REST, TRIANGLES = bar()
+KEYS = np.array([REST, rolled(REST, np.radians(300))])
+SIDES = np.column_stack([np.arange(20), np.arange(1, 21)])
+
+
+def test_a_rolled_bar_keeps_its_shape():
+    frames = planar_native.inbetween(KEYS, np.linspace(0, 1, 9), triangles=TRIANGLES)
+    assert frames.shape == (9, len(REST), 2)
+    assert frames.dtype == np.float64
+    assert np.array_equal(frames[0], KEYS[0])
+    assert np.array_equal(frames[-1], KEYS[1])
+    worst = planar_native.distortion(REST, KEYS[1], TRIANGLES)
+    for frame in frames:
+        distortion = planar_native.distortion(REST, frame, TRIANGLES)
+        assert distortion.flipped == 0
+        assert distortion.area <= 1.001 * worst.area
+        assert distortion.angle <= 1.001 * worst.angle
+
+
+def test_the_solved_motion_gives_the_same_frames():
+    motion = planar_native.Inbetweens(list(KEYS), triangles=TRIANGLES, key_times=[1, 25])
+    frames = planar_native.inbetween(KEYS, np.arange(1, 26), triangles=TRIANGLES, key_times=[1, 25])
+    assert np.abs(motion.at(np.arange(25, 0, -1))[::-1] - frames).max() < 1e-12
+
+
+@pytest.mark.parametrize("method", ["paper", "global"])
+def test_the_papers_methods(method):
+    keys = [REST, rolled(REST, np.radians(60))]
+    frames = planar_native.inbetween(keys, np.linspace(0, 1, 13), triangles=TRIANGLES, method=method)
+    default = planar_native.inbetween(keys, np.linspace(0, 1, 13), triangles=TRIANGLES)
+    assert np.abs(frames - default).max() < 0.02  # of the bar's length
+
+
+def test_turns_anchors_and_edges():
+    turned = [REST, REST + np.array([1, 0])]
+    for turns in (1, [1], [[1]]):
+        half = planar_native.inbetween(turned, [0.5], triangles=TRIANGLES, turns=turns)[0]
+        assert np.allclose(half, [2 * REST.mean(axis=0) - REST + [0.5, 0]], atol=1e-12)
+    anchored = planar_native.inbetween(KEYS, [0.5], triangles=TRIANGLES, anchor=[0], anchor_path="arc")[0]
+    assert anchored.shape == REST.shape
+    line = planar_native.inbetween(KEYS[:, :21], [0.5], edges=SIDES, rest=REST[:21])[0]
+    length = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    assert length.min() > 0.98 * 0.05  # the sides' length at rest is 0.05
+    assert length.max() < 1.3 * 0.05
+
+
+def test_transfer_and_editing():
+    frames = planar_native.inbetween(KEYS, np.linspace(0, 1, 7), triangles=TRIANGLES)
+    assert np.abs(planar_native.transfer_motion(frames, REST, triangles=TRIANGLES) - frames).max() < 1e-9
+    edited = planar_native.edit_sequence(frames, {3: frames[3] * 1.5}, triangles=TRIANGLES)
+    assert np.array_equal(edited[3], frames[3] * 1.5)
+    assert np.abs(np.ptp(edited, axis=1) - 1.5 * np.ptp(frames, axis=1)).max() < 1e-9
+
+
+def test_progress_can_cancel_and_fail():
+    shares = []
+    planar_native.inbetween(KEYS, [0.5], triangles=TRIANGLES, progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares
+    with pytest.raises(planar_native.Cancelled):
+        planar_native.inbetween(KEYS, [0.5], triangles=TRIANGLES, progress=lambda share: False)
+    with pytest.raises(ZeroDivisionError):
+        planar_native.inbetween(KEYS, [0.5], triangles=TRIANGLES, progress=lambda share: 1 / 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"keys": KEYS[:1]}, "keys"),
+        ({"keys": REST}, r"keys\[0\]"),
+        ({"keys": 3}, "keys"),
+        ({"keys": [REST, REST[:5]]}, r"keys\[1\]"),
+        ({"keys": [REST, REST * np.nan]}, r"keys\[1\], row 0"),
+        ({"times": [0.5, 2]}, "times, row 1"),
+        ({"times": [[0.5]]}, "times"),
+        ({"triangles": None}, "triangles, edges"),
+        ({"edges": SIDES}, "triangles, edges"),
+        ({"triangles": TRIANGLES + 30}, "triangles, row"),
+        ({"key_times": [0, 1, 2]}, "key_times"),
+        ({"key_times": [1, 0]}, "key_times, row 1"),
+        ({"rest": REST[:4]}, "rest"),
+        ({"turns": [[[1]]]}, "turns"),
+        ({"turns": [1, 2]}, "turns"),
+        ({"turns": 1000}, "turns"),
+        ({"method": "best"}, "method: 'best'"),
+        ({"anchor": [100]}, "anchor, row 0"),
+        ({"anchor_path": "spiral"}, "anchor_path"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"max_iterations": 0}, "max_iterations"),
+        ({"threads": -1}, "threads"),
+        ({"method": "paper", "times": [0, 0.4, 1]}, "times, row 1"),
+    ],
+)
+def test_refusals_name_the_argument(changes, words):
+    arguments = {"keys": KEYS, "times": [0.5], "triangles": TRIANGLES} | changes
+    with pytest.raises(ValueError, match=words):
+        planar_native.inbetween(arguments.pop("keys"), arguments.pop("times"), **arguments)
+
+
+def test_edits_are_checked():
+    with pytest.raises(ValueError, match="edits"):
+        planar_native.edit_sequence(KEYS, {"first": REST}, triangles=TRIANGLES)
+    with pytest.raises(ValueError, match="out of range"):
+        planar_native.edit_sequence(KEYS, {2: REST}, triangles=TRIANGLES)
+    with pytest.raises(ValueError, match=r"edits\[1\]"):
+        planar_native.edit_sequence(KEYS, {1: REST[:3]}, triangles=TRIANGLES)
