@@ -18,6 +18,8 @@ from ..scene import pins, snapshot
 from ..scene.access import Refusal, begin
 from . import keying
 
+SHORT = 50  # samples of a path that needs no progress shown
+
 
 def selection_on_press(selected: set[int], pin: int, extend: bool) -> set[int]:
     """The pins that a drag takes along when `pin` (-1: none) is pressed: all selected ones if it is one."""
@@ -114,17 +116,26 @@ class SceneAction:
     def solve(
         self, path: list[Sample], seen: Callable[[Solved], None] | None = None, *, settle: bool = False
     ) -> None:
-        """Solve a path, here and now, and tell `seen` of each sample; nothing is written. Raises Refusal."""
+        """Solve a path, here and now, and tell `seen` of each sample; nothing is written. Raises Refusal.
+
+        A long path, which only a drag in a window can have recorded, shows its progress at the mouse.
+        """
         solving.halt()
+        manager = bpy.context.window_manager
+        manager.progress_begin(0, len(path))
         try:
-            for sample in path:
+            for count, sample in enumerate(path):
                 self.pose.move(*sample)
                 if seen is not None:
                     seen(self.pose.solved())
+                if len(path) > SHORT:
+                    manager.progress_update(count)
             if settle:
                 self.pose.settle()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
+        finally:
+            manager.progress_end()
 
     def show(self, solved: Solved) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""

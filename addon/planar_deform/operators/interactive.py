@@ -27,6 +27,8 @@ RATE = 1 / 60  # seconds between two looks at what the thread has solved
 PATIENCE = 0.08
 # Events that drive the view, and those that are nobody's: they go on to Blender.
 PASSED_ON = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "NDOF", "MOUSEROTATE", "MOUSESMARTZOOM", "TIMER", "WINDOW")
+# Keys that do nothing yet: they let a drawing settle on.
+MODIFIERS = {f"{side}_{key}" for side in ("LEFT", "RIGHT") for key in ("SHIFT", "CTRL", "ALT")} | {"OSKEY"}
 
 
 class Session:
@@ -165,7 +167,11 @@ class Interactive:
             session.show()
             if not session.released:
                 return self.handle(context, event)
-            if event.value == "PRESS" and not event.type.startswith(PASSED_ON):
+            if (
+                event.value == "PRESS"
+                and not event.type.startswith(PASSED_ON)
+                and event.type not in MODIFIERS
+            ):
                 session.catch_up()
                 return self.finish() | {"PASS_THROUGH"}
             return self.finish() if session.settled else {"PASS_THROUGH"}

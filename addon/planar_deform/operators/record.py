@@ -59,22 +59,16 @@ class PLANAR_OT_record_pins(Interactive, bpy.types.Operator):
         if not self.properties.is_property_set("frame"):
             self.frame = context.scene.frame_current
         before = context.scene.frame_current
-        manager = context.window_manager
         try:
             poses = self._poses_of(unpack_path(self.path))
             action = SceneAction(context, self.pin, self.extend, unkeyed=True)
-            manager.progress_begin(0.0, 1.0)
             try:
-                action.solve(
-                    poses.samples, lambda solved: (poses.seen(solved), manager.progress_update(poses.share))
-                )
+                action.solve(poses.samples, poses.seen)
                 self._keep(context, action, poses)
             except Exception:
                 context.scene.frame_set(before)
                 action.cancel()
                 raise
-            finally:
-                manager.progress_end()
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
