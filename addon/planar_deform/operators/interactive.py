@@ -22,7 +22,7 @@ from ..scene import snapshot
 from ..scene.access import ObjectGone, Refusal
 from .action import SceneAction
 
-RATE = 1 / 60  # seconds between two looks at what the thread has solved
+RATE = 1 / 120  # seconds between two looks at what the thread has solved
 # Seconds that an event may wait for the last sample: mostly it is solved by then, and the window goes on.
 PATIENCE = 0.08
 # Events that drive the view, and those that are nobody's: they go on to Blender.

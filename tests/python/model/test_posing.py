@@ -159,6 +159,18 @@ def test_an_edited_end_carries_the_whole_path_along():
     assert turns == [(0.0, 0.0, -1.0), (0.0, 0.0, 2.0)]
 
 
+def test_an_edited_long_path_is_thinned_and_loses_its_rests():
+    angles = np.repeat(np.linspace(0.0, 3.0, 100), 3)
+    path = [(math.cos(a) - 1.0, math.sin(a), 0.0) for a in angles]
+    end = (2.0 * path[-1][0], 2.0 * path[-1][1])
+    carried = carried_path(path, offset=end)
+    assert len(carried) == RAMP_SAMPLES
+    assert carried[-1][:2] == pytest.approx(end)
+    assert len(set(carried)) == RAMP_SAMPLES
+    half = np.array(carried)[:, :2] / 2.0 + [1.0, 0.0]
+    assert np.linalg.norm(half, axis=1) == pytest.approx(np.ones(RAMP_SAMPLES)), "on the way as recorded"
+
+
 @pytest.mark.parametrize("path", [[], [(0.3, 0.3, 0.0), (0.0, 0.0, 0.0)]])
 def test_a_path_without_an_end_runs_straight(path):
     ramp = carried_path(path, offset=(1.0, -2.0))
