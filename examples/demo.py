@@ -150,7 +150,7 @@ def perform(character: Character, obj: bpy.types.Object) -> list[Cell]:
         measure = planar_native.distortion(rest, puppet.shown_points(obj), triangles(obj))
         print(
             f"  {pose.name}: {effort.drags} drags in {effort.seconds:.1f} s, "
-            f"{1000 * effort.seconds / effort.samples:.1f} ms per mouse position, settling included; "
+            f"{1000 * effort.seconds / effort.drags:.0f} ms for each with settling; "
             f"distortion {words(measure)} (2 is none)"
         )
         cells.append((pose.name, words(measure), picture(character, obj)))

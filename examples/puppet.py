@@ -13,13 +13,12 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from cutout import layer_vertices
 from drawing import Layer
-from planar_deform.model.posing import RAMP_SAMPLES, Sample
+from planar_deform.model.posing import Sample
 from planar_deform.operators.drag import pack_path
-
-LARGEST_TURN = np.radians(5)  # from one sample of a turn to the next, as a calm hand would move
 
 
 @dataclass(frozen=True)
@@ -45,16 +44,14 @@ class Pose:
 
 @dataclass
 class Effort:
-    """What a pose took: drags (and turns), mouse positions along them, and wall time in seconds."""
+    """What a pose took: drags (and turns), and wall time in seconds."""
 
     drags: int = 0
-    samples: int = 0
     seconds: float = 0.0
 
-    def add(self, samples: int, seconds: float) -> None:
+    def add(self, seconds: float) -> None:
         """Counts one drag."""
         self.drags += 1
-        self.samples += samples
         self.seconds += seconds
 
 
@@ -101,7 +98,7 @@ def key_rest(obj: bpy.types.Object, frame: int) -> None:
 def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose, frame: int) -> Effort:
     """Poses the object from rest at a frame and keys that.
 
-    All pins move by the step, then one limb after the other turns about its joint; then the drawing settles.
+    All pins move by the step, then one limb after the other turns about its joint.
     """
     bpy.context.scene.frame_set(frame)
     bpy.ops.planar.reset_to_rest()
@@ -111,7 +108,7 @@ def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose, frame: i
         bpy.ops.planar.select_pins(action="ALL")
         start = time.perf_counter()
         bpy.ops.planar.drag_pins(offset=pose.step)
-        effort.add(RAMP_SAMPLES, time.perf_counter() - start)
+        effort.add(time.perf_counter() - start)
         places = {name: place + pose.step for name, place in places.items()}
     turned: dict[str, float] = {}
     for plan in plans:
@@ -120,11 +117,8 @@ def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose, frame: i
         angle = turned[plan.name] - inherited
         if angle:
             start = time.perf_counter()
-            samples = _turn_limb(obj, plans, places, plan, angle)
-            effort.add(samples, time.perf_counter() - start)
-    start = time.perf_counter()
-    bpy.ops.planar.settle_pose()
-    effort.seconds += time.perf_counter() - start
+            _turn_limb(obj, plans, places, plan, angle)
+            effort.add(time.perf_counter() - start)
     _key(obj, pose.name)
     return effort
 
@@ -148,11 +142,8 @@ def _turn_limb(
     places: dict[str, np.ndarray],
     plan: PinPlan,
     angle: float,
-) -> int:
-    """Turns a pin and all that hang on it about its parent, and updates their places.
-
-    Returns the number of mouse positions of the turn.
-    """
+) -> None:
+    """Turns a pin and all that hang on it about its parent, and updates their places."""
     joint = places[plan.parent or plan.name]
     limb = {plan.name}
     for other in plans:
@@ -162,16 +153,10 @@ def _turn_limb(
     for i, pin in enumerate(obj.planar.pins):
         if pin.group in limb:
             bpy.ops.planar.select_pins(action="SELECT", pin=i, extend=True)
-    # Pins turn about their own middle; a recorded path can move that along its arc about the joint.
-    middle = np.mean([places[name] for name in limb], axis=0)
-    path = []
-    for part in np.linspace(0, 1, 1 + max(2, round(abs(angle) / LARGEST_TURN)))[1:]:
-        offset = _rotated(middle - joint, part * angle) + joint - middle
-        path.append((*offset, part * angle))
-    bpy.ops.planar.rotate_pins(angle=angle, path=pack_path(path))
+    x, z = joint
+    bpy.ops.planar.rotate_pins(angle=angle, pivot=obj.matrix_world @ Vector((x, 0, z)))
     for name in limb:
         places[name] = joint + _rotated(places[name] - joint, angle)
-    return len(path)
 
 
 def _rotated(vector: np.ndarray, angle: float) -> np.ndarray:
