@@ -20,22 +20,30 @@ class Story:
         self.random = np.random.default_rng(20261122)
         self.told: dict[str, int] = {}
 
-    def somewhere(self) -> tuple[float, float, float]:
-        """A place in the window, mostly near the drawing and sometimes far off."""
-        reach = (2.4, 1.6) if self.random.random() < 0.9 else (3.2, 2.2)
-        x, z = self.random.uniform(-1.0, 1.0, 2) * reach
-        return float(x), 0.0, float(z)
+    def somewhere(self) -> tuple[int, int]:
+        """A place in the view, clear of what lies over it."""
+        region = self.window.region()
+        x = self.random.uniform(region.x + 90, region.x + region.width - 130)
+        y = self.random.uniform(region.y + 90, region.y + region.height - 90)
+        return round(x), round(y)
 
     def any_pin(self) -> tuple[int, int]:
-        """Where some pin is on the screen."""
-        return self.window.pixel(place(int(self.random.integers(len(active().planar.pins)))))
+        """Where some pin is on the screen; pins that were pushed out of the view are out of reach."""
+        region = self.window.region()
+        pixels = [self.window.pixel(place(index)) for index in range(len(active().planar.pins))]
+        seen = [
+            (x, y)
+            for x, y in pixels
+            if 90 < x - region.x < region.width - 130 and 90 < y - region.y < region.height - 90
+        ]
+        return seen[int(self.random.integers(len(seen)))] if seen else self.somewhere()
 
     def drag(self) -> Iterator[None]:
         """Some pin to somewhere, in few events; half of the time without waiting for it to settle."""
         window = self.window
         yield from window.move(self.any_pin())
         yield from window.press()
-        yield from window.move(window.pixel(self.somewhere()), steps=int(self.random.integers(1, 4)))
+        yield from window.move(self.somewhere(), steps=int(self.random.integers(1, 4)))
         yield from window.release()
         if self.random.random() < 0.5:
             yield from window.settled()
@@ -45,18 +53,16 @@ class Story:
         before = shape()
         yield from self.window.move(self.any_pin())
         yield from self.window.press()
-        yield from self.window.move(self.window.pixel(self.somewhere()))
+        yield from self.window.move(self.somewhere())
         yield from self.window.key("ESC")
         yield from self.window.release()
         assert np.array_equal(shape(), before), "Esc restores every bit"
 
     def add(self) -> Iterator[None]:
-        """A pin on some vertex, if there are not too many."""
+        """A pin where the drawing is hit, if there are not too many."""
         if len(active().planar.pins) >= 12:
             return
-        obj = active()
-        vertex = obj.data.vertices[int(self.random.integers(len(obj.data.vertices)))]
-        yield from self.window.move(self.window.pixel(obj.matrix_world @ vertex.co))
+        yield from self.window.move(self.somewhere())
         yield from self.window.press(ctrl=True)
         yield from self.window.release(ctrl=True)
 
@@ -84,6 +90,7 @@ class Story:
             assert np.array_equal(shape(), after)
 
     def turn(self) -> Iterator[None]:
+        yield from self.window.move(self.somewhere())
         yield from self.window.key("A")
         yield from self.window.key("R")
         yield from self.window.type(str(int(self.random.integers(10, 90))))
@@ -125,6 +132,7 @@ def test_a_long_story_ends_well(window: Window) -> Iterator[None]:
     assert not np.array_equal(posed, before)
     assert np.array_equal(posed[:, 1], before[:, 1]), "the drawing is flat"
     assert flipped() == 0
+    assert tuple(active().location) == (0.0, 0.0, 0.0), "only pins were moved"
     window.picture("stress")
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "story.blend")
