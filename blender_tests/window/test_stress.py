@@ -19,6 +19,7 @@ class Story:
         self.window = window
         self.random = np.random.default_rng(20261122)
         self.told: dict[str, int] = {}
+        self.moved = 0  # drags that were waited for and moved the drawing
 
     def somewhere(self) -> tuple[int, int]:
         """A place in the view, clear of what lies over it."""
@@ -27,26 +28,30 @@ class Story:
         y = self.random.uniform(region.y + 90, region.y + region.height - 90)
         return round(x), round(y)
 
-    def any_pin(self) -> tuple[int, int]:
-        """Where some pin is on the screen; pins that were pushed out of the view are out of reach."""
+    def pins_in_view(self) -> list[tuple[int, int]]:
+        """Where pins are on the screen, without those that were pushed out of the view."""
         region = self.window.region()
         pixels = [self.window.pixel(place(index)) for index in range(len(active().planar.pins))]
-        seen = [
+        return [
             (x, y)
             for x, y in pixels
             if 90 < x - region.x < region.width - 130 and 90 < y - region.y < region.height - 90
         ]
-        return seen[int(self.random.integers(len(seen)))] if seen else self.somewhere()
+
+    def any_pin(self) -> tuple[int, int]:
+        seen = self.pins_in_view()
+        return seen[int(self.random.integers(len(seen)))]
 
     def drag(self) -> Iterator[None]:
         """Some pin to somewhere, in few events; half of the time without waiting for it to settle."""
-        window = self.window
+        window, before = self.window, shape()
         yield from window.move(self.any_pin())
         yield from window.press()
         yield from window.move(self.somewhere(), steps=int(self.random.integers(1, 4)))
         yield from window.release()
         if self.random.random() < 0.5:
             yield from window.settled()
+            self.moved += not np.array_equal(shape(), before)
 
     def escape(self) -> Iterator[None]:
         yield from self.window.settled()
@@ -94,7 +99,8 @@ class Story:
         yield from self.window.key("A")
         yield from self.window.key("R")
         yield from self.window.type(str(int(self.random.integers(10, 90))))
-        yield from self.window.key("RET")
+        yield from self.window.confirm()
+        yield from self.window.key("A", alt=True)
 
     def switch(self) -> Iterator[None]:
         """Turn some pin off or on."""
@@ -107,6 +113,10 @@ class Story:
     def tell(self) -> Iterator[None]:
         kinds = ("drag", "escape", "add", "remove", "undo", "turn", "switch")
         for _ in range(ACTIONS):
+            if len(self.pins_in_view()) < 2:
+                yield from self.window.settled()
+                bpy.ops.planar.reset_to_rest("EXEC_DEFAULT", True)
+                self.told["reset"] = self.told.get("reset", 0) + 1
             kind = str(self.random.choice(kinds, p=(0.5, 0.08, 0.12, 0.1, 0.1, 0.03, 0.07)))
             yield from getattr(self, kind)()
             self.told[kind] = self.told.get(kind, 0) + 1
@@ -125,7 +135,8 @@ def test_a_long_story_ends_well(window: Window) -> Iterator[None]:
     before = shape()
     story = Story(window)
     yield from story.tell()
-    print(f"NOTE {story.told}", flush=True)
+    print(f"NOTE {story.told}, {story.moved} drags seen to move the drawing", flush=True)
+    assert story.moved > ACTIONS // 8, "the story is about dragging"
     assert window.busy == []
     posed, pins = shape(), pin_data()
     assert np.isfinite(posed).all()
