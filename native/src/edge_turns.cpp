@@ -195,6 +195,7 @@ Eigen::VectorXd EdgeTurns::between(const Points& from, const Points& to) const {
     of_part[at(node_part_[i])].push_back(aligned[i]);
   }
   std::vector<double> whole_turns;
+  whole_turns.reserve(of_part.size());
   for (auto& values : of_part) whole_turns.push_back(full_turn * std::round(median(values) / full_turn));
   for (std::size_t i = 0; i < aligned.size(); ++i) aligned[i] -= whole_turns[at(node_part_[i])];
   if (!mesh) return Eigen::Map<const Eigen::VectorXd>(aligned.data(), n_edges);

@@ -10,6 +10,7 @@ using Complex = std::complex<double>;
 FrameAssembler::FrameAssembler(const EdgeGraph& graph)
     : graph_(graph), matrix_(graph.n_vertices, graph.n_vertices) {
   std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(graph.vertex_count() + graph.edges.size());
   for (int v = 0; v < graph.n_vertices; ++v) entries.emplace_back(v, v, 1.0);
   for (const auto& [a, b] : graph.edges) entries.emplace_back(std::max(a, b), std::min(a, b), 1.0);
   matrix_.setFromTriplets(entries.begin(), entries.end());
