@@ -16,17 +16,21 @@ enum class PoserMethod {
 
 struct PoserOptions {
   PoserMethod method = PoserMethod::hold;
-  std::optional<double> pin_weight{};  ///< λ² of a pin, dimensionless, above 0; by default the method's own
-  Eigen::VectorXd stiffness{};         ///< m factors above 0 on the triangles' energy, or empty: all 1
+  std::optional<double>
+      pin_weight{};  ///< μ (hold) or λ² (akvf) of a pin, dimensionless, above 0; by default the method's own
+  Eigen::VectorXd stiffness{};  ///< m factors above 0 on the triangles' energy, or empty: all 1
 };
 
-/// What the last move() or settle() did.
+/// What the last move(), refine() or settle() did.
 struct Report {
-  int iterations = 0;            ///< steps towards the targets: 1 in move(), as many as it took in settle()
-  int substeps = 0;              ///< pieces these steps were cut into; each is one field and one advance
+  int iterations = 0;            ///< hold: Newton steps; akvf: steps towards the targets
+  int substeps = 0;              ///< hold: steps that moved the mesh; akvf: pieces that steps were cut into
   double furthest_handle = 0.0;  ///< largest distance of a handle from its target, in the positions' unit
   int flipped = 0;               ///< triangles inverted relative to the rest shape, judged as in `distortion`
-  bool converged = true;         ///< furthest_handle is at most 1e-3 of the rest's box diagonal
+
+  /// hold: a full Newton step is at most 1e-5 of the rest's box diagonal, so that nothing is left to do,
+  /// however far the handles are; akvf: furthest_handle is at most 1e-3 of that diagonal
+  bool converged = true;
 };
 
 /// Poses a mesh by dragging handles: registered with the rest shape, compiled with the handles, moved with
@@ -39,6 +43,36 @@ struct Report {
 /// \endcode
 ///
 /// The mesh's topology is analysed once; changing handles costs no new analysis.
+///
+/// Method hold minimises
+///
+///   E(x) = Σ_t k_t A_t (|J|² + |J⁻¹|²) + Σ_i μ_i |p_i - target_i|²,   J: rest -> x,
+///
+/// the symmetric Dirichlet energy (Smith and Schaefer 2015) and a spring for each handle, from the shape that
+/// is shown: the pose depends on the handles and not on their path, as long as that does not lead into
+/// another minimum (an arm wound the other way round). It descends by projected Newton: the Hessian of each
+/// triangle without its negative eigenvalues (Smith et al. 2019, "Analytic eigensystems for isotropic
+/// distortion energies"), one factor for several steps, each at most 0.8 of the way to where a triangle
+/// collapses, with Armijo's rule. Departures and additions:
+///
+/// 1. A part whose handles' targets are a rigid motion of where they are, for the most part, makes that
+/// motion first. It costs no energy, and Newton steps, being linear, would have to inflate what turns.
+///
+/// 2. Where a triangle would collapse within a tenth of a Newton step, the step is one in the metric of the
+/// Killing energy of the mesh as it is (Claici et al. 2017), which has the same sparsity.
+///
+/// 3. Where the energy falls along a step for longer than its Hessian expects, the step is prolonged, up to
+/// ten times; where full steps of under 5e-3 of the diagonal do not get shorter, the Hessian is tried without
+/// projection. Projection alone is too stiff under compression, and takes a hundred steps to settle then.
+///
+/// 4. No triangle that lies as at rest is turned over, not even by rounding to float32: steps that would are
+/// shortened. Triangles that are inverted in the positions given to reset() have the foldover-free energy of
+/// Garanzha et al. 2021 until they come right.
+///
+/// 5. Triangles flat at rest have no J and get springs instead; see rest_energy.h.
+///
+/// After a move, the factor for the next ones is made in a thread of the object's own, if it is due; the next
+/// call waits for it. What is due is counted, not timed: results do not depend on threads.
 ///
 /// Method akvf is the step of Solomon et al. 2011, killing_field then advance_along_spirals, from where the
 /// handles are to their targets, so that errors do not add up. Departures:
@@ -53,9 +87,10 @@ struct Report {
 /// inverts triangles on most large poses.
 class Poser {
  public:
-  /// λ² of a pin when PoserOptions::pin_weight is empty. On twelve published poses of drawn characters, 40
-  /// moves each, handles end 0.0008-0.047 of the diagonal from their targets at λ² = 1, 0.0001-0.007 at 100,
-  /// and no nearer above that; patches that are turned profit up to 1000.
+  /// μ or λ² of a pin when PoserOptions::pin_weight is empty. With hold, handles of twelve published poses of
+  /// drawn characters end 0.0001 of the diagonal from their targets at 1000. With akvf, on these poses, 40
+  /// moves each, they end 0.0008-0.047 of the diagonal from their targets at λ² = 1, 0.0001-0.007 at 100, and
+  /// no nearer above that; patches that are turned profit up to 1000.
   static constexpr double default_pin_weight = 1000.0;
 
   /// \param rest n×2 rest shape, the reference of flips and tolerances, and the first positions
@@ -77,9 +112,10 @@ class Poser {
   /// above 0
   void set_handles(Handles handles, Eigen::VectorXd weights = {}, Eigen::VectorXi groups = {});
 
-  /// One step of the handles towards `targets` (k×2), and of the mesh with them. The step is cut into
-  /// substeps such that no triangle inverts and no edge turns or stretches by more than 15° (0.26) in one; at
-  /// most 32 in a call.
+  /// The handles towards `targets` (k×2), and the mesh with them. hold: two Newton steps with at most two
+  /// factors made meanwhile; handles far from their targets may need more moves, refine() or settle(). akvf:
+  /// one step, cut into substeps such that no triangle inverts and no edge turns or stretches by more than
+  /// 15° (0.26) in one; at most 32 in a call.
   ///
   /// \return the new positions (n×2), valid until the object changes
   ///
@@ -88,8 +124,8 @@ class Poser {
   /// \throw SolveError the field could not be solved
   const Points& move(const Points& targets);
 
-  /// Repeats steps towards the last targets until the handles stop getting nearer, at most 32 steps. Without
-  /// targets: nothing.
+  /// Repeats steps towards the last targets: hold until report().converged, at most 200; akvf until the
+  /// handles stop getting nearer, at most 32. Without targets: nothing.
   ///
   /// \throw SolveError as move
   const Points& settle();
