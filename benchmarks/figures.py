@@ -36,7 +36,8 @@ Distortion: area / angle (2 is none), flips as float32, furthest handle in diago
 the sum of the prototype and of SLIM (ten increments, pin weight {PIN_WEIGHT:g})."""
 LOOP_DRIFT = f"""\
 Closed loops of one handle, the others fixed, {LOOP_MOVES} moves and a settle: the furthest vertex from
-where it was, in diagonals. At most {FURTHEST:g} with hold."""
+where it was, in diagonals. At most {FURTHEST:g} with hold. No loop goes round another handle: that would wind
+the drawing up around it."""
 SETTLING = f"""\
 One jump of the handles from the rest shape, ms; medians of {ROUNDS} rounds that take turns.
 settled: hold's move and settle. To value: hold's moves until the energy (pin weight {PIN_WEIGHT:g}) is that
@@ -132,6 +133,29 @@ LOOPS: dict[str, Callable[[float], tuple[float, float]]] = {
 SIZES = (0.15, 0.25, 1 / 3)  # of the diagonal, one a loop
 
 
+def clear_loop(
+    shape: Shape, handles: np.ndarray, first: int, curve: Callable[[float], tuple[float, float]], size: float
+) -> tuple[int, np.ndarray]:
+    """A handle, `first` if possible, and its path along the curve (LOOP_MOVES x 2), turned such that it goes
+    round no other handle."""
+    way = (
+        np.array([curve(step / LOOP_MOVES) for step in range(LOOP_MOVES + 1)])
+        @ [1, 1j]
+        * size
+        * shape.diagonal
+    )
+    places = shape.rest[handles] @ [1, 1j]
+    for moving in np.roll(np.arange(len(handles)), -first):
+        for turn in np.exp(2j * np.pi * np.arange(8) / 8):
+            path = places[moving] + turn * way
+            seen = path[:, None] - np.delete(places, moving)
+            windings = np.angle(seen[1:] / seen[:-1]).sum(axis=0)
+            lobes = np.angle(seen[1 : LOOP_MOVES // 2 + 1] / seen[: LOOP_MOVES // 2]).sum(axis=0)
+            if (np.abs(windings) < 1).all() and (np.abs(lobes) < np.pi).all():
+                return int(moving), np.column_stack([path.real, path.imag])[1:]
+    raise ValueError(f"{shape.name}: every {size:.2f} diagonals wide loop goes round a handle")
+
+
 def drift(shape: Shape, handles: np.ndarray, path: list[np.ndarray], method: str) -> float:
     """The furthest vertex from where it was before the handles went along the path, after a settle."""
     poser = poser_for(shape, Pose(shape.name, handles, path[-1]), method)
@@ -148,12 +172,10 @@ def loop_table(shapes: list[Shape]) -> bool:
     for shape in shapes:
         handles = shape.poses[0].handles if shape.poses else spread(shape, 5)
         for number, ((name, curve), size) in enumerate(zip(LOOPS.items(), SIZES, strict=True)):
-            moving = number % len(handles)
-            path = []
-            for step in range(1, LOOP_MOVES + 1):
-                targets = shape.rest[handles]
-                targets[moving] += size * shape.diagonal * np.array(curve(step / LOOP_MOVES))
-                path.append(targets)
+            moving, places = clear_loop(shape, handles, number % len(handles), curve, size)
+            path = [shape.rest[handles] for _ in places]
+            for targets, place in zip(path, places, strict=True):
+                targets[moving] = place
             path[-1] = shape.rest[handles]
             held, killing = (drift(shape, handles, path, method) for method in ("hold", "akvf"))
             conditions.check(f"{shape.name}, {name}: {held:.5f} off", held <= FURTHEST)
