@@ -71,11 +71,22 @@ def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Windo
     window.picture("poses")
     bpy.context.scene.frame_set(1)
     bpy.context.scene.frame_end = 49
-    with window.context():
-        bpy.ops.screen.animation_play()
-        yield from window.wait(1.5)
-        bpy.ops.screen.animation_cancel(restore_frame=False)
-    assert bpy.context.scene.frame_current != 1
+    window.area.spaces.active.show_region_ui = False
+    yield from window.wait(0.3)
+    snapshot, reads = addon("scene.snapshot"), []
+    read = snapshot._read
+    snapshot._read = lambda obj: reads.append(bpy.context.scene.frame_current) or read(obj)
+    try:
+        with window.context():
+            bpy.ops.screen.animation_play()
+            yield from window.wait(1.5)
+            assert not reads, "no mesh is read for pins while the timeline plays"
+            bpy.ops.screen.animation_cancel(restore_frame=False)
+        assert bpy.context.scene.frame_current != 1
+        yield from window.wait(0.3)
+        assert reads, "they come back"
+    finally:
+        snapshot._read = read
     for frame, pose in poses.items():
         assert np.array_equal(at(frame), pose), frame
     yield

@@ -21,6 +21,8 @@ def _draw() -> None:
     context = bpy.context
     if not pose_tool_is_active(context) or not context.space_data.overlay.show_overlays:
         return
+    if context.object is None or not context.object.planar.show_mesh:
+        return
     seen = snapshot.of_active(context)
     if seen is None or not len(seen.edges):
         return
