@@ -5,7 +5,10 @@
 # usage: tools/bench.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
+# shellcheck source=tools/packages.sh
+source tools/packages.sh
 tools/setup.sh native
+tools/apt.sh "${benchmark_packages[@]}"
 ( # the distribution's cmake and compiler, before a user's own
     PATH=/usr/bin:/bin:$PATH
     cmake --preset release >/dev/null
