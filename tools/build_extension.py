@@ -4,7 +4,7 @@
 
 The wheel serves every Python whose headers are in HEADERS/cpXY (tools/python_headers.py): it has a module for
 each, and once the libraries. CHOLMOD brings the BLAS and LAPACK that the system has chosen, though its
-analysis, which is all we use, never calls them: with Debian's reference ones the archive has 7 MB, with OpenBLAS
+analysis, which is all we use, never calls them: with the reference ones the archive has 7 MB, with OpenBLAS
 18. The wheel is built unless the last one is up to date.
 
 usage: build_extension.py HEADERS
