@@ -9,7 +9,8 @@ namespace planar {
 namespace {
 
 constexpr double regularization = 1e-9;  // of the metric; 1 is the order of a triangle's blocks
-constexpr int worth_a_thread = 1000;     // vertices
+constexpr double most_regularization = 1.0;
+constexpr int worth_a_thread = 1000;  // vertices
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -61,9 +62,6 @@ void HoldSystem::factorize(Metric metric, const Points& x) {
     rest_energy_.add_hessian(x, active_, matrix_, metric == Metric::projected);
     matrix_.set_unit_rows(active_);
   }
-  for (int v = 0; v < mesh_.n_vertices; ++v) {
-    if (is_active(v)) matrix_.add(v, v, regularization);
-  }
   for (const Pin& pin : pins_) {
     for (std::size_t a = 0; a < pin.n_corners; ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
@@ -71,14 +69,25 @@ void HoldSystem::factorize(Metric metric, const Points& x) {
       }
     }
   }
-  solver_->factorize(matrix_.matrix());
+  // Slivers that are nearly collapsed and very stiff leave rounding errors larger than the smallest
+  // eigenvalues.
+  for (double more = regularization;; more *= 1e3) {
+    for (int v = 0; v < mesh_.n_vertices; ++v) {
+      if (is_active(v)) matrix_.add(v, v, more);
+    }
+    try {
+      solver_->factorize(matrix_.matrix());
+      break;
+    } catch (const SolveError&) {
+      if (metric == Metric::exact || more >= most_regularization) throw;
+    }
+  }
   metric_ = metric;
   turn_.assign(turn_.size(), 1.0);
 }
 
 void HoldSystem::factorize_ahead(const Points& x) {
   ahead_ = x;
-  failed_ = false;
   const auto task = [this] {
     try {
       factorize(Metric::projected, ahead_);

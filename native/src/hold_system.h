@@ -39,7 +39,7 @@ class HoldSystem {
   void set_pins(std::vector<Pin> pins, std::vector<char> active) noexcept;
 
   /// Factors the metric at x.
-  /// \throw SolveError it is not positive definite (`exact` only, or by rounding), or no memory
+  /// \throw SolveError it is not positive definite (`exact`), or no memory
   void factorize(Metric metric, const Points& x);
   /// Starts to factor `projected` at x, in another thread where that pays. Until join() nothing else may be
   /// called.
@@ -67,8 +67,7 @@ class HoldSystem {
   Metric metric_ = Metric::none;
   std::vector<std::complex<double>> turn_;  ///< per part, since the factor was made
   Eigen::VectorXd unknown_;
-  Points ahead_;  ///< where factorize_ahead() factors
-  bool failed_ = false;
+  Points ahead_;   ///< where factorize_ahead() factors
   Worker worker_;  ///< last, so that its thread ends before what it uses
 };
 
