@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProper
 from ..scene import pins
 from ..scene.access import Refusal, begin, pose_refusal
 from ..scene.properties import KINDS
-from .posing_operator import PosingOperator
+from .posing_operator import PosingOperator, Refusing
 
 # Farther than this share of the diagonal from the mesh, a place is not on it.
 ON_MESH = 0.01
@@ -106,17 +106,14 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
         _select(obj, range(first, len(obj.planar.pins)))
 
 
-class PinListOperator:
+class PinListOperator(Refusing):
     """Works on the pin list alone, of a mesh that may not be fit for posing at the moment."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
-        reason = _list_refusal(context.object)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+    def refusal(cls, context):
+        return _list_refusal(context.object)
 
 
 class PLANAR_OT_remove_pins(bpy.types.Operator):

@@ -7,7 +7,7 @@ import bpy
 from bpy.props import IntProperty
 
 from ..scene import sequence
-from ..scene.access import Refusal, pose_refusal
+from ..scene.access import Refusal
 from .keying import key_shown
 from .posing_operator import PosingOperator
 
@@ -18,11 +18,8 @@ class PLANAR_OT_key_pose(PosingOperator, bpy.types.Operator):
     bl_description = "Keep the pose that is shown as the pose of the current frame"
 
     @classmethod
-    def poll(cls, context):
-        reason = pose_refusal(context.object) or sequence.refusal(context.object)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+    def refusal(cls, context):
+        return super().refusal(context) or sequence.refusal(context.object)
 
     def apply(self, context):
         key_shown(context)
@@ -32,14 +29,11 @@ class PoseListOperator(PosingOperator):
     """Works on the poses of an object that has some."""
 
     @classmethod
-    def poll(cls, context):
-        obj = context.object
-        reason = pose_refusal(obj)
-        if reason is None and not sequence.is_ours(obj):
-            reason = "No poses are keyed: use Key Pose first"
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+    def refusal(cls, context):
+        reason = super().refusal(context)
+        if reason is None and not sequence.is_ours(context.object):
+            return "No poses are keyed: use Key Pose first"
+        return reason
 
 
 class OnePoseOperator(PoseListOperator):

@@ -6,17 +6,26 @@ from __future__ import annotations
 from ..scene.access import Refusal, pose_refusal
 
 
-class PosingOperator:
-    """Works on a mesh that can be posed; every refusal is a report, and changes nothing."""
+class Refusing:
+    """Greyed out where `refusal` gives a reason, which the tooltip tells."""
 
-    bl_options = {"REGISTER", "UNDO"}
+    @classmethod
+    def refusal(cls, context) -> str | None:
+        """Why this cannot be used at present, and what to do about it: the mesh cannot be posed."""
+        return pose_refusal(context.object)
 
     @classmethod
     def poll(cls, context):
-        reason = pose_refusal(context.object)
+        reason = cls.refusal(context)
         if reason is not None:
             cls.poll_message_set(reason)
         return reason is None
+
+
+class PosingOperator(Refusing):
+    """Works on a mesh that can be posed; every refusal is a report, and changes nothing."""
+
+    bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
         try:

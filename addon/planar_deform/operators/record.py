@@ -12,18 +12,19 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from ..model.posing import Sample, Solved
 from ..model.recording import Poses, Recording, smoothed
 from ..scene import pins, sequence, snapshot
-from ..scene.access import Refusal, begin, pose_refusal
+from ..scene.access import Refusal, begin
 from ..scene.view import pin_under, regions
 from .action import SceneAction
 from .drag import HIDDEN, pack_path, unpack_path
 from .interactive import PASSED_ON, Interactive, Session, put_away, put_up
 from .plane_mouse import PlaneMouse
+from .posing_operator import Refusing
 
 WAITING = "Drag a Pin, or Anywhere for the Selected Pins: Record   Esc or RMB: Cancel"
 RECORDING = "Release or Enter: Keep the Motion   Esc or RMB: Discard   Shift: Precise   Ctrl: Snap"
 
 
-class PLANAR_OT_record_pins(Interactive, bpy.types.Operator):
+class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
     bl_idname = "planar.record_pins"
     bl_label = "Record"
     bl_description = "Play the timeline while a pin is dragged, and key the poses of its motion"
@@ -49,11 +50,8 @@ class PLANAR_OT_record_pins(Interactive, bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context):
-        reason = pose_refusal(context.object) or sequence.refusal(context.object)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+    def refusal(cls, context):
+        return super().refusal(context) or sequence.refusal(context.object)
 
     def execute(self, context):
         if not self.properties.is_property_set("frame"):

@@ -176,7 +176,7 @@ def _draw_pin(layout, context, pin, index):
         split.label(text=f"{math.degrees(place.angle):.1f}°")
     gap = float(np.linalg.norm(place.target - place.place))
     if gap > SHOWN_GAP * max(obj.dimensions):
-        lines(layout, f"{gap:.4g} from where it was asked to be", "ERROR", context)
+        lines(layout, f"{gap:.4g} away from its target", "ERROR", context)
 
 
 def lines(layout, text, icon, context):
