@@ -148,8 +148,10 @@ def _stop() -> None:
 
 @persistent
 def _on_change(*_) -> None:
-    if _active() is not None and not bpy.app.timers.is_registered(_look):
-        bpy.app.timers.register(_look, first_interval=SOON)
+    # In background no timer ever runs, and the bpy module crashes at exit if one has been registered.
+    if bpy.app.background or _active() is None or bpy.app.timers.is_registered(_look):
+        return
+    bpy.app.timers.register(_look, first_interval=SOON)
 
 
 @persistent
