@@ -48,6 +48,7 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
   const Triangles triangles = flipping(graph, from, to, frames_);
   if (triangles.rows() == 0) return;
   std::vector<std::unique_ptr<FrameTracker>> trackers;
+  trackers.reserve(static_cast<std::size_t>(team.size()));
   for (int i = 0; i < team.size(); ++i) {
     trackers.push_back(std::make_unique<FrameTracker>(triangles, from, to));
   }

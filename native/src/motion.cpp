@@ -211,6 +211,7 @@ std::vector<Points> edit(const std::vector<Points>& frames, const std::vector<Fr
     return result;
   };
   std::vector<Points> references;
+  references.reserve(changes.size());
   for (const Change& change : changes) references.push_back(*change.shape);
   std::vector<Points> result = assembled(graph, references, frames.size(), edge_of, centre_of);
   // Edges that an edit gives or takes their length have no similarity; what was given stays to the bit.
