@@ -1,31 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 #include "killing_energy.h"
+#include "matrices.h"
 #include "support.h"
 
 namespace planar::testing {
 namespace {
-
-std::vector<int> all(int n) {
-  std::vector<int> kept(static_cast<std::size_t>(n));
-  std::iota(kept.begin(), kept.end(), 0);
-  return kept;
-}
-
-Eigen::MatrixXd dense(const SymmetricMatrix& lower) {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(lower.size, lower.size);
-  for (int j = 0; j < lower.size; ++j) {
-    for (int p = lower.column_start[static_cast<std::size_t>(j)];
-         p < lower.column_start[static_cast<std::size_t>(j) + 1]; ++p) {
-      const int i = lower.row[static_cast<std::size_t>(p)];
-      result(i, j) = result(j, i) = lower.value[static_cast<std::size_t>(p)];
-    }
-  }
-  return result;
-}
 
 Eigen::MatrixXd assembled(const Shape& shape, const std::vector<int>& kept,
                           const Eigen::VectorXd& stiffness = {}) {

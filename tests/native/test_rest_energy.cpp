@@ -3,19 +3,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <numeric>
 
+#include "matrices.h"
 #include "rest_energy.h"
 #include "support.h"
 
 namespace planar::testing {
 namespace {
-
-std::vector<int> all(int n) {
-  std::vector<int> kept(static_cast<std::size_t>(n));
-  std::iota(kept.begin(), kept.end(), 0);
-  return kept;
-}
 
 /// A mesh with its energy, and dense versions of what it assembles.
 struct Case {
@@ -28,16 +22,7 @@ struct Case {
   Eigen::MatrixXd hessian(const Points& x, bool project) {
     matrix.set_zero();
     energy.add_hessian(x, std::vector<char>(static_cast<std::size_t>(mesh.n_parts), 1), matrix, project);
-    const SymmetricMatrix& a = matrix.matrix();
-    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(a.size, a.size);
-    for (int j = 0; j < a.size; ++j) {
-      for (int p = a.column_start[static_cast<std::size_t>(j)];
-           p < a.column_start[static_cast<std::size_t>(j) + 1]; ++p) {
-        const int i = a.row[static_cast<std::size_t>(p)];
-        dense(i, j) = dense(j, i) = a.value[static_cast<std::size_t>(p)];
-      }
-    }
-    return dense;
+    return dense(matrix.matrix());
   }
 
   Eigen::VectorXd gradient(const Points& x) const {
