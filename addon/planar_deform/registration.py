@@ -13,7 +13,8 @@ from .operators import click, drag, interactive, pins, pose_travel, poses, recor
 from .scene import follow, properties, snapshot
 from .ui import gizmos, overlay, panel, poses_panel, quality, tool
 
-# Each has CLASSES, and register() and unregister() where classes are not all; those run with the classes in.
+# Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
+# unregister() where these are not all; those run with the classes in.
 # The last one is undone first: it ends a drag that is on.
 MODULES = (
     properties,
@@ -52,6 +53,10 @@ def register() -> None:
                 module.register()
             if hasattr(module, "unregister"):
                 _undo.append(module.unregister)
+            for name, handler in getattr(module, "HANDLERS", {}).items():
+                listeners = getattr(bpy.app.handlers, name)
+                listeners.append(handler)
+                _undo.append(partial(listeners.remove, handler))
     except Exception:
         unregister()
         raise

@@ -228,18 +228,10 @@ def _interrupt(*_):
     solving.interrupt()
 
 
-_HANDLERS = ("undo_pre", "redo_pre", "load_pre")
-
-
-def register() -> None:
-    """Listen to what ends a drag from outside."""
-    for name in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(_interrupt)
+HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _interrupt)
 
 
 def unregister() -> None:
     """The add-on is turned off, perhaps in the middle of a drag."""
-    for name in _HANDLERS:
-        getattr(bpy.app.handlers, name).remove(_interrupt)
     if _running is not None:
         _running.abandon()

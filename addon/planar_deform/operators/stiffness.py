@@ -171,7 +171,7 @@ def _on_load(*_) -> None:
 
 
 CLASSES = (PLANAR_OT_paint_stiffness,)
-_HANDLERS = {
+HANDLERS = {
     "depsgraph_update_post": _on_change,
     "undo_post": _on_undo,
     "redo_post": _on_undo,
@@ -179,16 +179,8 @@ _HANDLERS = {
 }
 
 
-def register() -> None:
-    """Listen to strokes."""
-    for name, handler in _HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
-
-
 def unregister() -> None:
-    """Stop listening."""
-    for name, handler in _HANDLERS.items():
-        getattr(bpy.app.handlers, name).remove(handler)
+    """Settle nothing any more."""
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
     _on_load()

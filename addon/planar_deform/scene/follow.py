@@ -31,11 +31,4 @@ def forget_solvers(*_):
     solver_cache.clear()
 
 
-def register():
-    bpy.app.handlers.depsgraph_update_post.append(follow_edits)
-    bpy.app.handlers.load_pre.append(forget_solvers)
-
-
-def unregister():
-    bpy.app.handlers.depsgraph_update_post.remove(follow_edits)
-    bpy.app.handlers.load_pre.remove(forget_solvers)
+HANDLERS = {"depsgraph_update_post": follow_edits, "load_pre": forget_solvers}

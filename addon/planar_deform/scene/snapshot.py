@@ -178,7 +178,7 @@ def _on_load(*_):
     release()
 
 
-_HANDLERS = {
+HANDLERS = {
     "depsgraph_update_post": _on_update,
     "frame_change_post": _on_change,
     "undo_post": _on_change,
@@ -187,14 +187,6 @@ _HANDLERS = {
 }
 
 
-def register() -> None:
-    """Listen to what changes."""
-    for name, handler in _HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
-
-
 def unregister() -> None:
-    """Stop listening."""
-    for name, handler in _HANDLERS.items():
-        getattr(bpy.app.handlers, name).remove(handler)
+    """Keep nothing."""
     release()
