@@ -141,6 +141,30 @@ class SceneCutout:
         """Plane coordinates k x 2 of k x 3 world points."""
         return self.frame.flatten(points - self._origin)
 
+    def flattened(self, shape: np.ndarray) -> Array:
+        """Plane coordinates n x 2 of any shape of the object, see scene/points.py."""
+        return self.from_local(shape[self.vertex_indices, :3].astype(np.float64))
+
+    @property
+    def rest(self) -> Array:
+        """The rest shape, n x 2."""
+        return self.cutout.rest
+
+    @property
+    def elements(self) -> dict[str, Indices]:
+        """What joins the points, as the native functions take it: {"triangles": m x 3}."""
+        return {"triangles": self.cutout.triangles}
+
+    @property
+    def parts(self) -> Indices:
+        """The connected part (n,) of each point."""
+        return self.cutout.parts
+
+    @property
+    def diagonal(self) -> float:
+        """Of the rest shape's bounding box."""
+        return self.cutout.diagonal
+
     def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
         """Where a world ray meets the plane of a part (2,); None edge-on (within 5 degrees) or behind it."""
         slope = float(direction @ self.frame.n)

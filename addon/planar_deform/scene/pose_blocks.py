@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from . import compat, shape_keys
+from . import compat, points
 
 # Places of blocks: what eval_time has to be to show them. Blender keeps a place divided by 100 in float32,
 # and puts a new block at eval_time unless one is within 0.1 of that, or unless it is 10 above the last block.
@@ -34,12 +34,12 @@ def block_at(keys: bpy.types.Key | None, place: float) -> bpy.types.ShapeKey | N
     return keys.key_blocks[nearest] if distances[nearest] < SAME_PLACE else None
 
 
-def add(obj: bpy.types.Object, name: str, place: float, points: np.ndarray) -> bpy.types.ShapeKey:
-    """Add a block of count x 3 coordinates at a place. Moves eval_time there."""
+def add(obj: bpy.types.Object, name: str, place: float, shape: np.ndarray) -> bpy.types.ShapeKey:
+    """Add a block that holds a shape at a place. Moves eval_time there."""
     obj.data.shape_keys.eval_time = place
     block = obj.shape_key_add(name=name, from_mix=False)
     block.interpolation = "KEY_LINEAR"
-    block.data.foreach_set("co", points.ravel())
+    points.write_block(block, shape)
     return block
 
 
@@ -60,8 +60,8 @@ def played(keys: bpy.types.Key) -> list[bpy.types.ShapeKey]:
 
 
 def points_of(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
-    """A block's coordinates, count x 3 float32. Raises Refusal."""
-    return shape_keys.read_points(block.data, len(obj.data.vertices))
+    """The shape that a block holds, see scene/points.py. Raises Refusal."""
+    return points.read_block(obj, block)
 
 
 def shown_curve(keys: bpy.types.Key | None) -> bpy.types.FCurve | None:
@@ -82,6 +82,6 @@ def keyed(keys: bpy.types.Key | None) -> np.ndarray:
     curve = shown_curve(keys)
     if curve is None:
         return np.empty((0, 2), np.float32)
-    points = np.empty(len(curve.keyframe_points) * 2, np.float32)
-    curve.keyframe_points.foreach_get("co", points)
-    return points.reshape(-1, 2)
+    timeline = np.empty(len(curve.keyframe_points) * 2, np.float32)
+    curve.keyframe_points.foreach_get("co", timeline)
+    return timeline.reshape(-1, 2)

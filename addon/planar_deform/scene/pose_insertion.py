@@ -31,14 +31,14 @@ class _Block:
 
     name: str
     listed: bool  # a keyed pose
-    points: np.ndarray | None  # count x 3; None: as in the file, where they may stay
+    points: np.ndarray | None  # its shape; None: as in the file, where it may stay
     place: float  # where it is, or will be
     frame: float | None = None  # of a new one: where it is keyed
     before: float | None = None  # where one that was there already was
 
 
 def insert(obj: bpy.types.Object, shapes: Mapping[float, np.ndarray]) -> None:
-    """Key a new pose for each shape (count x 3 float32, by frame).
+    """Key a new pose for each shape (by frame; see scene/points.py).
 
     Each comes after the block that the curve shows before its frame. A block cannot be moved: those behind
     the first new one are taken out and added again, and the curve's values follow.

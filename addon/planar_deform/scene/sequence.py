@@ -21,7 +21,7 @@ An unkeyed pose is written to the scratch block and shown by setting `eval_time`
 back, as it does with every animated value. No curve reaches it: below it comes the hold.
 
 Beginning changes only how shapes are stored. Without shape keys the rest shape becomes the Basis and the
-mesh's own shape is kept in a block. A mesh with a Basis and at most one key "Pose", which is what posing
+object's own shape is kept in a block. A mesh with a Basis and at most one key "Pose", which is what posing
 makes, keeps both. `clear` undoes exactly that. Other shape keys, drivers and actions are the user's and are
 refused.
 """
@@ -35,7 +35,7 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array
-from . import compat, pose_insertion
+from . import compat, points, pose_insertion
 from .errors import Refusal
 from .pose_blocks import (
     FIRST,
@@ -56,7 +56,7 @@ from .pose_blocks import (
 from .shape_keys import POSE_KEY
 
 if TYPE_CHECKING:
-    from .access import SceneCutout
+    from .shape import SceneShape
 
 ON_A_COPY = "work on a copy of the object, with Apply All in the Shape Keys panel's menu"
 
@@ -141,7 +141,7 @@ def pose_at(obj: bpy.types.Object, frame: float) -> int | None:
 
 
 def shown_points(obj: bpy.types.Object) -> np.ndarray:
-    """The shape that is shown at present, count x 3 float32: as Blender evaluates absolute keys.
+    """The shape that is shown at present, see scene/points.py: as Blender evaluates absolute keys.
 
     Raises Refusal between blocks that are not interpolated linearly.
     """
@@ -180,7 +180,7 @@ def keyed_pose_shown(obj: bpy.types.Object, frame: float) -> bpy.types.ShapeKey 
 # -- writing
 
 
-def put(scene: SceneCutout, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
+def put(scene: SceneShape, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
     """Key poses: n x 2 positions of the cutout by frame. `throughout`: keys between those frames go away.
 
     A frame at which a pose is keyed gets the new one in its place, with its easing; the object's sequence is
@@ -199,14 +199,14 @@ def put(scene: SceneCutout, shapes: Mapping[float, Array], *, throughout: bool =
     if throughout:
         _unkey_between(obj, sorted(coordinates))
     new: dict[float, np.ndarray] = {}
-    for frame, points in coordinates.items():
+    for frame, shape in coordinates.items():
         pose = pose_at(obj, frame)
         # A pose that is shown at other frames, too, stays as it is there.
         if pose is not None and len(frames_of(obj, pose)) == 1:
             block = block_at(obj.data.shape_keys, obj.planar.poses[pose].at)
-            block.data.foreach_set("co", points.ravel())
+            points.write_block(block, shape)
         else:
-            new[frame] = points
+            new[frame] = shape
     if new:
         pose_insertion.insert(obj, new)
     latest = pose_at(obj, max(coordinates))
@@ -241,7 +241,7 @@ def clear(obj: bpy.types.Object) -> None:
     """End the sequence: everything is as it was before it was begun, to the bit."""
     settings = obj.planar
     if is_ours(obj):
-        mesh, keys = obj.data, obj.data.shape_keys
+        keys = obj.data.shape_keys
         action = None if keys.animation_data is None else keys.animation_data.action
         keys.animation_data_clear()
         if action is not None and not action.users:
@@ -252,21 +252,21 @@ def clear(obj: bpy.types.Object) -> None:
         if settings.key_before < 0:
             shape = points_of(obj, keys.key_blocks[-1])
             obj.shape_key_clear()
-            mesh.vertices.foreach_set("co", shape.ravel())
+            points.write(obj, shape)
         else:
             keys.use_relative = True
             obj.active_shape_key_index = settings.key_before
-        mesh.update()
+        points.update(obj)
     settings.poses.clear()
     settings.active_pose = 0
 
 
 def show_unkeyed(obj: bpy.types.Object, coordinates: np.ndarray) -> None:
-    """Show a shape, count x 3, until the frame changes."""
+    """Show a shape until the frame changes."""
     keys = obj.data.shape_keys
     scratch = block_at(keys, SCRATCH)
     if scratch is not None and keys.eval_time == SCRATCH:
-        scratch.data.foreach_set("co", coordinates.ravel())
+        points.write_block(scratch, coordinates)
         return
     drop_scratch(obj)  # of another frame: since then, the last pose may have become another
     add(obj, "Hold", HOLD, points_of(obj, played(keys)[-1]))
@@ -315,20 +315,19 @@ def _show_frame(obj: bpy.types.Object) -> None:
     curve = shown_curve(keys)
     if curve is not None:
         keys.eval_time = curve.evaluate(bpy.context.scene.frame_current_final)
-    obj.data.update()
+    points.update(obj)
 
 
 def _begin(obj: bpy.types.Object, rest: np.ndarray) -> None:
     mesh, settings = obj.data, obj.planar
     settings.poses.clear()
     if mesh.shape_keys is None:
-        shape = np.empty(len(mesh.vertices) * 3, np.float32)
-        mesh.vertices.foreach_get("co", shape)
+        shape = points.read(obj)
         settings.key_before = -1
         basis = obj.shape_key_add(name="Basis", from_mix=False)
-        obj.shape_key_add(name="Before Poses", from_mix=False).data.foreach_set("co", shape)
-        basis.data.foreach_set("co", rest.ravel())
-        mesh.vertices.foreach_set("co", rest.ravel())  # Blender keeps the Basis there
+        points.write_block(obj.shape_key_add(name="Before Poses", from_mix=False), shape)
+        points.write_block(basis, rest)
+        points.write(obj, rest)  # Blender keeps the Basis there
     else:
         settings.key_before = obj.active_shape_key_index
     mesh.shape_keys.use_relative = False

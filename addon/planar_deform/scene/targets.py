@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array
-from . import sequence, shape_keys
+from . import points, sequence, shape_keys
 from .errors import Refusal
 
 
@@ -22,16 +22,15 @@ def target_of(obj: bpy.types.Object, unkeyed: bool) -> MeshTarget | KeyTarget | 
 
 
 class MeshTarget:
-    """The mesh's own vertices."""
+    """The mesh's or curve's own points."""
 
-    begin: np.ndarray  # count x 3 float32, what is stored at the start
-    shown: Array  # count x 3, the shape shown
+    begin: np.ndarray  # what is stored at the start, a shape as in scene/points.py
+    shown: Array  # count x 3, the coordinates shown
     share: Array  # count x 1, how much the shown shape moves when what is stored does
 
     def __init__(self, obj: bpy.types.Object):
-        mesh = obj.data
-        self.begin = shape_keys.read_points(mesh.vertices, len(mesh.vertices))
-        self.shown = self.begin.astype(np.float64)
+        self.begin = points.read(obj)
+        self.shown = self.begin[:, :3].astype(np.float64)
         self.share = np.ones((len(self.begin), 1))
 
     def is_there(self, obj: bpy.types.Object) -> bool:
@@ -39,8 +38,8 @@ class MeshTarget:
         return obj.data.shape_keys is None
 
     def store(self, obj: bpy.types.Object, coordinates: np.ndarray) -> None:
-        """Show count x 3 float32 coordinates."""
-        obj.data.vertices.foreach_set("co", coordinates.ravel())
+        """Show a shape."""
+        points.write(obj, coordinates)
 
     def restore(self, obj: bpy.types.Object) -> None:
         """Put everything back as it was, to the bit."""
@@ -104,7 +103,7 @@ class SequenceTarget:
         self._time = keys.eval_time
         self._was_unkeyed = sequence.unkeyed(obj)
         self.begin = sequence.shown_points(obj)
-        self.shown = self.begin.astype(np.float64)
+        self.shown = self.begin[:, :3].astype(np.float64)
         self.share = np.ones((len(self.begin), 1))
 
     def is_there(self, obj: bpy.types.Object) -> bool:
@@ -116,7 +115,7 @@ class SequenceTarget:
         if self._name is None:
             sequence.show_unkeyed(obj, coordinates)
         else:
-            obj.data.shape_keys.key_blocks[self._name].data.foreach_set("co", coordinates.ravel())
+            points.write_block(obj.data.shape_keys.key_blocks[self._name], coordinates)
 
     def restore(self, obj: bpy.types.Object) -> None:
         if self._name is not None or self._was_unkeyed:
