@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from .numeric import KEYS, Numeric
+from .numeric import Numeric
 from .posing import Sample
 
 Mode = Literal["MOVE", "ROTATE"]
@@ -66,9 +66,8 @@ class Drag:
         if self.mode == "MOVE" and key in self.letters:
             lock = "" if self.lock == key else key
             return replace(self, lock=lock, numeric=_no_numbers(self.mode, lock))
-        if key in KEYS and (self.numeric.active or KEYS[key] not in ("BACK", "NEXT")):
-            return replace(self, numeric=self.numeric.typed(KEYS[key]))
-        return None
+        numeric = self.numeric.pressed(key)
+        return None if numeric is None else replace(self, numeric=numeric)
 
     @property
     def sample(self) -> Sample:

@@ -38,6 +38,13 @@ class Numeric:
         """The typed numbers; a field with no digit in it is 0."""
         return tuple(float(text) if any(c.isdigit() for c in text) else 0.0 for text in self.fields)
 
+    def pressed(self, key: str) -> Numeric | None:
+        """After a key with this name (Blender's) was pressed; None if it types nothing at present."""
+        typed = KEYS.get(key)
+        if typed is None or (not self.active and typed in ("BACK", "NEXT")):
+            return None
+        return self.typed(typed)
+
     def typed(self, key: str) -> Numeric:
         """After one of the right-hand sides of KEYS.
 
