@@ -3,8 +3,9 @@
 
 import numpy as np
 import pytest
-from planar_deform.scene import joints
 from support import grid
+
+from planar_deform.scene import joints
 
 
 def rotated(points, centre, degrees):

@@ -20,7 +20,7 @@ LOOSENESS = 0.01
 
 
 def find(rest: Array, before: Array, after: Array, parts: Indices, planted: set[int]) -> Indices:
-    """The joints that hold from one pose to the next: rows (vertex of the carrier, vertex of the carried part).
+    """The joints that hold from one pose to the next: rows (vertex of the carrier, vertex of the carried).
 
     All shapes are n x 2; `parts` numbers the part of each vertex. `planted` parts stand on their own and are
     never carried. Every part is carried at most once, and no two carry each other: where several joints offer
