@@ -10,8 +10,8 @@ import bpy
 
 from .model import solver_cache
 from .operators import click, drag, interactive, pins, pose_travel, poses, record, rest, settle, stiffness
-from .scene import follow, properties, snapshot
-from .ui import gizmos, overlay, panel, poses_panel, quality, tool
+from .scene import follow, onion, properties, snapshot
+from .ui import gizmos, onion_skin, overlay, panel, poses_panel, quality, tool
 
 # Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
 # unregister() where these are not all; those run with the classes in.
@@ -29,10 +29,12 @@ MODULES = (
     pose_travel,
     follow,
     snapshot,
+    onion,
     gizmos,
     tool,
     quality,
     overlay,
+    onion_skin,
     panel,
     poses_panel,
     interactive,

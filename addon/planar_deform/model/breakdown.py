@@ -17,6 +17,7 @@ WIDTH = 300.0  # pixels of the mouse from one pose to the other, at a UI scale o
 PRECISE = 1 / 8  # what Shift makes of a movement
 STEP = 0.1  # what Ctrl snaps to, in Blender's sliders
 OVERSHOOT = "E"  # the key that is for it there
+FURTHEST = 1.0  # beyond the poses, of the way between them: as far as the solver goes
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,9 @@ class Slider:
 
 
 def limited(share: float, *, overshoot: bool) -> float:
-    """A share that no pose is beyond, unless it may be."""
-    return share if overshoot else min(max(share, 0.0), 1.0)
+    """The nearest share that there is: from pose to pose, or beyond them."""
+    beyond = FURTHEST if overshoot else 0.0
+    return min(max(share, -beyond), 1.0 + beyond)
 
 
 def nearest_share(at: Callable[[float], Array], shape: Array) -> float:

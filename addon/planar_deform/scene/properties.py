@@ -124,6 +124,13 @@ class PlanarSettings(bpy.types.PropertyGroup):
     show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
     poses: CollectionProperty(type=PlanarPose)
     active_pose: IntProperty(name="Active Pose", description="Pose that the panel's buttons act on")
+    show_onion: BoolProperty(
+        name="Onion Skin",
+        description=(
+            "Show the outlines of the poses keyed before (green) and behind (blue) the current frame, "
+            "but not while the timeline plays"
+        ),
+    )
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
 

@@ -42,6 +42,8 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             column.operator("planar.delete_pose", text="", icon="REMOVE").pose = -1
             column.separator()
             column.operator("planar.clear_poses", text="", icon="TRASH")
+            column.separator()
+            column.prop(obj.planar, "show_onion", text="", icon="ONIONSKIN_ON")
         row = layout.row(align=True)
         row.operator("planar.key_pose", icon="KEY_HLT")
         row.operator("planar.record_pins", icon="REC")

@@ -68,7 +68,9 @@ def test_a_typed_number_beyond_the_poses_says_what_it_is_taken_for() -> None:
     assert number.share == 1.0
     assert "(100.0 %)" in number.text
     assert typed(number, "E").share == 1.2
-    assert typed(number, "E", "MINUS").share == -1.2
+    beyond = typed(number, "E", "MINUS")
+    assert beyond.share == -1.0, "as far as the solver goes"
+    assert "(-100.0 %)" in beyond.text
 
 
 def test_other_keys_mean_nothing() -> None:
