@@ -9,7 +9,19 @@ from functools import partial
 import bpy
 
 from .model import solver_cache
-from .operators import click, drag, interactive, pins, pose_travel, poses, record, rest, settle, stiffness
+from .operators import (
+    click,
+    drag,
+    interactive,
+    long_operator,
+    pins,
+    pose_travel,
+    poses,
+    record,
+    rest,
+    settle,
+    stiffness,
+)
 from .scene import follow, onion, properties, snapshot
 from .ui import gizmos, onion_skin, overlay, panel, poses_panel, quality, tool
 
@@ -38,6 +50,7 @@ MODULES = (
     panel,
     poses_panel,
     interactive,
+    long_operator,
 )
 
 

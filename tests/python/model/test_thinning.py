@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which poses of a row are kept, with straight blends as what is found between them."""
+
+import numpy as np
+import pytest
+
+from planar_deform.model.frame import Array
+from planar_deform.model.thinning import Thinned, thin
+
+SHAPE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+
+
+def moved(path: Array) -> list[Array]:
+    """A shape for each point of a path (k x 2): the third vertex goes along it, the others stay."""
+    shapes = np.tile(SHAPE, (len(path), 1, 1))
+    shapes[:, 2] += path
+    return list(shapes)
+
+
+def blends(shapes: list[Array]):
+    def between(kept: list[int]) -> list[Array]:
+        rows = np.arange(len(shapes))
+        columns = np.array(shapes)[kept].reshape(len(kept), -1).T
+        return list(np.stack([np.interp(rows, kept, column) for column in columns], axis=1).reshape(-1, 3, 2))
+
+    return between
+
+
+def run(path: Array, tolerance: float, fixed: set[int] | None = None) -> Thinned:
+    shapes = moved(path)
+    result = thin(shapes, fixed or set(), blends(shapes), tolerance, lambda _: True)
+    assert result is not None
+    return result
+
+
+def zigzag() -> Array:
+    return np.stack([np.arange(13.0), [0, 1, 2, 3, 4, 3, 2, 1, 0, 1, 2, 3, 4]], axis=1)
+
+
+def test_corners_of_a_zigzag_are_all_that_is_kept() -> None:
+    result = run(zigzag(), 1e-9)
+    assert result.kept == [0, 4, 8, 12]
+    assert result.furthest < 1e-12
+
+
+def test_what_is_left_out_is_within_the_tolerance_and_the_furthest_is_told() -> None:
+    path = np.stack([np.arange(60.0), 5.0 * np.sin(np.arange(60.0) / 9.0)], axis=1)
+    counts = []
+    for tolerance in (0.01, 0.1, 1.0):
+        result = run(path, tolerance)
+        shapes = moved(path)
+        errors = np.abs(np.array(blends(shapes)(result.kept)) - shapes).max(axis=(1, 2))
+        assert 0.0 < result.furthest <= tolerance
+        assert result.furthest == pytest.approx(errors.max(), rel=1e-12)
+        assert result.kept[0] == 0
+        assert result.kept[-1] == 59
+        counts.append(len(result.kept))
+    assert 60 > counts[0] > counts[1] > counts[2] >= 4
+
+
+def test_fixed_ones_are_kept() -> None:
+    straight = np.stack([np.arange(9.0), np.zeros(9)], axis=1)
+    assert run(straight, 1e-9).kept == [0, 8]
+    assert run(straight, 1e-9, {3, 4}).kept == [0, 3, 4, 8]
+
+
+def test_nothing_to_leave_out() -> None:
+    assert run(zigzag()[3:5], 1e-9) == Thinned([0, 1], 0.0)
+
+
+def test_the_share_grows_and_stopping_ends_it() -> None:
+    shapes, shares = moved(zigzag()), []
+
+    def progress(share: float) -> bool:
+        shares.append(share)
+        return len(shares) < 2
+
+    assert thin(shapes, set(), blends(shapes), 1e-9, progress) is None
+    assert len(shares) == 2
+    assert 0.0 <= shares[0] <= shares[1] < 1.0
