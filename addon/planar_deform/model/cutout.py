@@ -67,14 +67,16 @@ def oriented(rest: Array, triangles: Indices) -> Indices:
     return result
 
 
-def connected_parts(count: int, triangles: Indices) -> Indices:
+def connected_parts(count: int, cells: Indices) -> Indices:
     """The connected part of each of `count` vertices, counted from 0 in order of their first vertex.
+
+    `cells` are edges k x 2 or triangles k x 3.
 
     Each round hooks every edge's larger root below the smaller one and flattens the trees, which takes
     O(log n) rounds of whole-array operations in practice.
     """
     root = np.arange(count, dtype=np.int32)
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]]])
+    edges = np.concatenate([cells[:, [i, i + 1]] for i in range(cells.shape[1] - 1)])
     while True:
         ends = root[edges]
         low, high = ends.min(axis=1), ends.max(axis=1)

@@ -57,8 +57,7 @@ def plane_frame(points: Array, triangles: Indices, linear: Array) -> PlaneFrame 
     """The frame of a mesh of k x 3 object-local points seen through a 3 x 3 linear transform.
 
     The normal is the area-weighted mean of the triangles', all turned to the side of the largest one, so that
-    a mixed winding does not cancel; None when every triangle has zero area. u follows the first of the two
-    object axes the plane is nearest to and v is turned towards the second, so that neither depends on the
+    a mixed winding does not cancel; None when every triangle has zero area. The axes do not depend on the
     winding.
     """
     x, y, z = np.ascontiguousarray(points.T)
@@ -72,7 +71,15 @@ def plane_frame(points: Array, triangles: Indices, linear: Array) -> PlaneFrame 
     largest = areas[:, int(np.argmax(sizes))]
     sides = np.where((areas * largest[:, None]).sum(axis=0) < 0.0, -1.0, 1.0)
     normal = (areas * sides).sum(axis=1)
-    normal /= np.linalg.norm(normal)
+    return frame_across(normal / np.linalg.norm(normal), linear)
+
+
+def frame_across(normal: Array, linear: Array) -> PlaneFrame:
+    """The frame of the planes across an object-local unit normal (3,), seen through a 3 x 3 linear transform.
+
+    u follows the first of the two object axes the plane is nearest to and v is turned towards the second, so
+    that neither depends on the side of the normal.
+    """
     first, second = SPANNING[int(np.argmax(np.abs(normal)))]
     # In-plane parts of the object axes, mapped to world-linear space: never zero, never parallel.
     along, across = (linear @ (np.eye(3)[axis] - normal * normal[axis]) for axis in (first, second))

@@ -6,12 +6,12 @@ from __future__ import annotations
 import bpy
 
 from ..scene import sequence
-from ..scene.access import begin
+from ..scene.shape import begin_shape
 
 
 def key_shown(context: bpy.types.Context) -> None:
     """Key the shape that the active object shows at the present frame. Raises Refusal."""
-    scene = begin(context)
+    scene = begin_shape(context)
     sequence.put(scene, {context.scene.frame_current_final: scene.positions})
 
 

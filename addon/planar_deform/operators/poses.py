@@ -9,10 +9,10 @@ from bpy.props import IntProperty
 from ..scene import sequence
 from ..scene.access import Refusal
 from .keying import key_shown
-from .posing_operator import PosingOperator
+from .posing_operator import ShapeOperator
 
 
-class PLANAR_OT_key_pose(PosingOperator, bpy.types.Operator):
+class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
     bl_idname = "planar.key_pose"
     bl_label = "Key Pose"
     bl_description = "Keep the pose that is shown as the pose of the current frame"
@@ -25,7 +25,7 @@ class PLANAR_OT_key_pose(PosingOperator, bpy.types.Operator):
         key_shown(context)
 
 
-class PoseListOperator(PosingOperator):
+class PoseListOperator(ShapeOperator):
     """Works on the poses of an object that has some."""
 
     @classmethod

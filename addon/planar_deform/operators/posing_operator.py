@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from ..scene import modifiers
 from ..scene.access import Refusal, pose_refusal
+from ..scene.shape import shape_refusal
 
 
 class Refusing:
@@ -11,8 +13,8 @@ class Refusing:
 
     @classmethod
     def refusal(cls, context) -> str | None:
-        """Why this cannot be used at present, and what to do about it: the mesh cannot be posed."""
-        return pose_refusal(context.object)
+        """Why this cannot be used at present, and what to do: the mesh cannot be posed, or not be seen."""
+        return pose_refusal(context.object) or modifiers.covering(context.object)
 
     @classmethod
     def poll(cls, context):
@@ -34,3 +36,11 @@ class PosingOperator(Refusing):
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         return {"FINISHED"}
+
+
+class ShapeOperator(PosingOperator):
+    """Works on shapes over time, which outlines have as well as meshes with faces."""
+
+    @classmethod
+    def refusal(cls, context) -> str | None:
+        return shape_refusal(context.object)

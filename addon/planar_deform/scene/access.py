@@ -6,17 +6,16 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..model import solving
 from ..model.cutout import Cutout, diagonal_of, make_cutout, signed_areas
-from ..model.frame import Array, Indices, PlaneFrame, mapped, plane_frame
+from ..model.frame import Array, Indices, Mask, PlaneFrame, mapped, plane_frame
 from ..model.locate import MeshPoint, nearest_point
 from ..model.rest import completed, copied_along_edges, copied_parts, fitted
 from . import rest as rest_store
 from . import sequence, shape_keys, stiffness, triangulation
 from .errors import ObjectGone, Refusal
-from .targets import MeshTarget, target_of
+from .flat_object import FlatObject, data_refusal, is_flat, part_means, settle
+from .targets import OwnTarget
 
-FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
 
@@ -30,19 +29,18 @@ def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | No
     """
     if obj is None:
         return "No active object: select a flat mesh"
+    if obj.type == "CURVE":
+        return (
+            f"'{obj.name}' is a curve, and pins need faces: pose it in Edit Mode and use Key Pose, or make it "
+            "a mesh with Object > Convert > Mesh"
+        )
     if obj.type != "MESH":
         return f"'{obj.name}' is not a mesh: convert it with Object > Convert > Mesh"
-    mesh = obj.data
-    if obj.library is not None or mesh.library is not None:
-        return f"'{obj.name}' is linked from a library: make it local with Object > Relations > Make Local"
-    if obj.override_library is not None or mesh.override_library is not None:
-        return f"'{obj.name}' is a library override: make it local with Object > Relations > Make Local"
-    if obj.mode != mode:
-        return "Posing works in Object Mode: leave the current mode first"
-    if mesh.users - mesh.use_fake_user > 1:
-        return "The mesh is shared: make it single-user with Object > Relations > Make Single User"
-    if not mesh.polygons:
-        return f"'{obj.name}' has no faces: a cutout needs some"
+    reason = data_refusal(obj, mode)
+    if reason is not None:
+        return reason
+    if not obj.data.polygons:
+        return f"'{obj.name}' has no faces, which pins need: pose it in Edit Mode and use Key Pose"
     return sequence.refusal(obj) if sequence.has_blocks(obj) else shape_keys.refusal(obj)
 
 
@@ -53,8 +51,7 @@ def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneCutout:
 
     `unkeyed`: what the action writes is shown, and never becomes a keyed pose by itself.
     """
-    solving.interrupt()
-    context.view_layer.update()
+    settle(context)
     return read_cutout(context.object, unkeyed=unkeyed)
 
 
@@ -67,37 +64,16 @@ def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False, mode: st
     return SceneCutout(obj, unkeyed)
 
 
-class SceneCutout:
-    """A mesh object as a cutout. Indices are those of the cutout: vertices of faces, in the mesh's order.
-
-    Holds no reference to Blender's data, which dies with every undo: each method finds the object again by
-    name and identity, and raises ObjectGone where it or its mesh is another one by now.
-    """
+class SceneCutout(FlatObject):
+    """A mesh object as a cutout. Indices are those of the cutout: vertices of faces, in the mesh's order."""
 
     cutout: Cutout
-    positions: Array  # n x 2, the shape shown
-    frame: PlaneFrame  # of the shape shown, in world-linear space
-    vertex_indices: Indices  # n, of each cutout vertex in the mesh
     stiffness_stamp: str  # of the painting that the cutout's stiffness comes from
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
+        super().__init__(obj, unkeyed)
         mesh = obj.data
-        self.object_name, self.session_uid = obj.name, obj.session_uid
-        self._mesh_uid, self._count, self._mode = mesh.session_uid, len(mesh.vertices), obj.mode
-        self._linear = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
-        self._origin = np.array(obj.matrix_world.translation, dtype=np.float64)
-        if not (np.isfinite(self._linear).all() and np.isfinite(self._origin).all()):
-            raise Refusal(
-                f"The transform of '{obj.name}' is not made of numbers: clear it with Object > Clear"
-            )
-        stretches = np.linalg.svd(self._linear, compute_uv=False)
-        if not stretches[-1] > 1e-6 * stretches[0]:
-            raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
-        self._inverse = np.linalg.inv(self._linear)
-
-        self._target = target_of(obj, unkeyed)
-        shown, share = self._target.shown, self._target.share
-        self._in_mesh = isinstance(self._target, MeshTarget)
+        self._in_mesh = isinstance(self._target, OwnTarget)
 
         stored = rest_store.basis_or_stored(obj)
         owners = None if not self._in_mesh or stored is None else rest_store.owners_of(mesh)
@@ -105,45 +81,17 @@ class SceneCutout:
         if stored is None:  # no pin yet, or the shape keys that held it are gone
             stored = self._rest_after = self._target.begin
         faces = triangulation.faces_of(mesh, stored)
-        triangles, parts, used = faces.triangles, faces.parts, faces.vertices
-        self.vertex_indices = used
-        if not np.isfinite(shown[used]).all():
-            raise Refusal(f"'{obj.name}' has vertices with coordinates that are not numbers: delete them")
-        shape_keys.check_share(obj, share[used])
-        self._share = share[used]
-
-        shown = shown[used]
+        triangles, parts = faces.triangles, faces.parts
+        shown = self._take_points(obj, faces.vertices, parts)
         world = mapped(shown, self._linear)
-        self.frame = _flat_frame(shown, world, triangles, parts, self._linear, "Its faces do")
-        self.positions = self.frame.flatten(world)
-        self._depths = _part_means(self.frame.depth(world), parts)
+        self._take_frame(_flat_frame(shown, world, triangles, parts, self._linear, "Its faces do"), world)
         rest = self._rest_positions(stored, owners, shown, triangles, parts)
         painted = stiffness.painted(obj)
         self.stiffness_stamp = stiffness.stamp(painted)
-        self.cutout = make_cutout(rest, triangles, parts, None if painted is None else painted[used])
+        painted = None if painted is None else painted[self.vertex_indices]
+        self.cutout = make_cutout(rest, triangles, parts, painted)
 
     # -- reading
-
-    def to_world(self, points: Array, parts: Indices | None = None) -> Array:
-        """World positions k x 3 of k x 2 points of the plane, as deep as their parts (k,), else the first."""
-        depths = self._depths[np.zeros(len(points), np.int32) if parts is None else parts]
-        return self.frame.lift(points) + np.outer(depths, self.frame.n) + self._origin
-
-    def to_local(self, points: Array, parts: Indices | None = None) -> Array:
-        """Object-local positions k x 3 of k x 2 points of the plane."""
-        return mapped(self.to_world(points, parts) - self._origin, self._inverse)
-
-    def from_local(self, points: Array) -> Array:
-        """Plane coordinates k x 2 of k x 3 object-local points."""
-        return self.frame.flatten(mapped(points, self._linear))
-
-    def from_world(self, points: Array) -> Array:
-        """Plane coordinates k x 2 of k x 3 world points."""
-        return self.frame.flatten(points - self._origin)
-
-    def flattened(self, shape: np.ndarray) -> Array:
-        """Plane coordinates n x 2 of any shape of the object, see scene/points.py."""
-        return self.from_local(shape[self.vertex_indices, :3].astype(np.float64))
 
     @property
     def rest(self) -> Array:
@@ -154,11 +102,6 @@ class SceneCutout:
     def elements(self) -> dict[str, Indices]:
         """What joins the points, as the native functions take it: {"triangles": m x 3}."""
         return {"triangles": self.cutout.triangles}
-
-    @property
-    def parts(self) -> Indices:
-        """The connected part (n,) of each point."""
-        return self.cutout.parts
 
     @property
     def diagonal(self) -> float:
@@ -206,21 +149,6 @@ class SceneCutout:
 
     # -- writing
 
-    def write(self, positions: Array) -> None:
-        """Show n x 2 positions: in the mesh, through the posed shape key, or in the pose sequence.
-
-        A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
-        Raises Refusal, with nothing changed, beyond what Blender can store.
-        """
-        self._store(self._placed(self._target.begin, positions, self._share))
-
-    def coordinates(self, positions: Array) -> np.ndarray:
-        """The mesh's coordinates, count x 3 float32 and object-local, in which it shows n x 2 positions.
-
-        Raises Refusal beyond what Blender can store.
-        """
-        return self._placed(self._target.shown.astype(np.float32), positions, np.ones_like(self._share))
-
     def rest_coordinates(self) -> np.ndarray:
         """The mesh's coordinates, count x 3 float32 and object-local, at rest."""
         rest = self._rest_before[0] if self._rest_after is None else self._rest_after
@@ -237,44 +165,16 @@ class SceneCutout:
 
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
-        obj = self.resolve()
-        self._target.restore(obj)
-        obj.data.update()
+        super().restore()
         if self._rest_written:
-            rest_store.put_back(obj.data, *self._rest_before)
+            rest_store.put_back(self.resolve().data, *self._rest_before)
             self._rest_written = False
 
-    def _placed(self, begin: np.ndarray, positions: Array, share: Array) -> np.ndarray:
-        moved = np.flatnonzero(np.any(positions != self.positions, axis=1))
-        offsets = mapped(self.frame.lift(positions[moved] - self.positions[moved]), self._inverse)
-        offsets /= share[moved]
-        rows = self.vertex_indices[moved]
-        coordinates = begin.copy()
-        with np.errstate(over="ignore"):
-            coordinates[rows] = begin[rows] + offsets  # float64 until it is stored
-        if not np.isfinite(coordinates[rows]).all():
-            raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
-        return coordinates
-
-    def _store(self, coordinates: np.ndarray) -> None:
-        obj = self.resolve()
+    def _store(self, shape: np.ndarray) -> None:
         if self._in_mesh and self._rest_after is not None and not self._rest_written:
-            rest_store.write(obj.data, self._rest_after)
+            rest_store.write(self.resolve().data, self._rest_after)
             self._rest_written = True
-        self._target.store(obj, coordinates)
-        obj.data.update()
-
-    def resolve(self) -> bpy.types.Object:
-        """The object that was read. Raises ObjectGone if it, its mesh or its mode is another one by now."""
-        obj = bpy.data.objects.get(self.object_name)
-        if obj is None or obj.session_uid != self.session_uid:
-            raise ObjectGone(f"'{self.object_name}' is gone")
-        mesh = obj.data
-        if (mesh.session_uid, len(mesh.vertices), obj.mode) != (self._mesh_uid, self._count, self._mode):
-            raise ObjectGone(f"The mesh of '{self.object_name}' has changed")
-        if not self._target.is_there(obj):
-            raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
-        return obj
+        super()._store(shape)
 
     # -- rest
 
@@ -306,7 +206,7 @@ class SceneCutout:
             flat = completed(np.where(known[:, None], flat, 0.0), self.positions, triangles, known)
             counts = np.bincount(parts, weights=known)
             sums = np.bincount(parts[known], weights=depths[known], minlength=len(counts))
-            own = _part_means(frame.depth(mapped(shown, self._linear)), parts)
+            own = part_means(frame.depth(mapped(shown, self._linear)), parts)
             depth = np.where(counts > 0, sums / np.maximum(counts, 1), own)[parts]
             placed = mapped(frame.lift(flat) + np.outer(depth, frame.n), self._inverse)
             rest[~known] = placed[~known]
@@ -338,7 +238,7 @@ def _flat_frame(
     parts: Indices,
     linear: Array,
     subject: str,
-    known: np.ndarray | None = None,
+    known: Mask | None = None,
 ) -> PlaneFrame:
     """The frame of points whose parts lie in parallel planes. Raises Refusal where they do not."""
     if known is None:
@@ -347,18 +247,9 @@ def _flat_frame(
     frame = plane_frame(points, chosen, linear)
     if frame is None:
         raise Refusal(f"{subject} not cover any area: give the drawing some, or use Set Rest to Current")
-    depths = frame.depth(world)[known]
-    low = np.full(int(parts.max()) + 1, np.inf)
-    high = -low
-    np.minimum.at(low, parts[known], depths)
-    np.maximum.at(high, parts[known], depths)
-    if np.max(high - low) > FLATNESS * diagonal_of(world[known]):
+    if not is_flat(frame, world, parts, known):
         raise Refusal(
             f"{subject} not lie in parallel planes: flatten the mesh (scale it to 0 along its normal), "
             "then use Set Rest to Current"
         )
     return frame
-
-
-def _part_means(values: Array, parts: Indices) -> Array:
-    return np.asarray(np.bincount(parts, weights=values) / np.bincount(parts), dtype=np.float64)

@@ -8,7 +8,7 @@ import random
 import bpy
 import numpy as np
 
-from . import sequence, shape_keys
+from . import points, sequence, shape_keys
 from .errors import Refusal
 
 REST = "planar_rest"
@@ -21,7 +21,7 @@ def basis_or_stored(obj: bpy.types.Object) -> np.ndarray | None:
     """Rest positions count x 3 (float32, object-local) as they are stored; None when they are not."""
     mesh = obj.data
     if mesh.shape_keys is not None:
-        return shape_keys.read_points(mesh.shape_keys.reference_key.data, len(mesh.vertices))
+        return points.read_block(obj, mesh.shape_keys.reference_key)
     stored = _attribute(mesh, REST, "FLOAT_VECTOR")
     if stored is None:
         return None
@@ -65,7 +65,7 @@ def ensure(obj: bpy.types.Object) -> None:
     """Store the current shape as rest shape if none is stored."""
     mesh = obj.data
     if basis_or_stored(obj) is None:
-        write(mesh, shape_keys.read_points(mesh.vertices, len(mesh.vertices)))
+        write(mesh, points.read(obj))
 
 
 def set_to_current(obj: bpy.types.Object) -> None:
@@ -76,15 +76,14 @@ def set_to_current(obj: bpy.types.Object) -> None:
     shown stays the same. Raises Refusal, with nothing changed.
     """
     mesh = obj.data
-    count = len(mesh.vertices)
     if mesh.shape_keys is None:
-        write(mesh, shape_keys.read_points(mesh.vertices, count))
+        write(mesh, points.read(obj))
         return
     if not mesh.shape_keys.use_relative:
         shown = sequence.shown_points(obj)  # the poses stay as they are, wherever the rest is
-        mesh.shape_keys.reference_key.data.foreach_set("co", shown.ravel())
-        mesh.vertices.foreach_set("co", shown.ravel())
-        mesh.update()
+        points.write_block(mesh.shape_keys.reference_key, shown)
+        points.write(obj, shown)
+        points.update(obj)
         return
     posed = shape_keys.posed_key(obj)
     if posed is None:
@@ -94,17 +93,15 @@ def set_to_current(obj: bpy.types.Object) -> None:
             f"Shape key '{posed.name}' is relative to itself by others: make it relative to the Basis"
         )
     keys = mesh.shape_keys
-    points = {key.name: shape_keys.read_points(key.data, count).astype(np.float64) for key in keys.key_blocks}
+    shapes = {key.name: points.read_block(obj, key).astype(np.float64) for key in keys.key_blocks}
     under = shape_keys.under_posed_key(obj)
-    own = points[posed.name] - points[under.name]
+    own = shapes[posed.name] - shapes[under.name]
     added = own * shape_keys.weight_of_posed_key(obj)
     for key in keys.key_blocks:
         loses_own = posed in _relative_chain(key)
-        key.data.foreach_set("co", (points[key.name] + added - own * loses_own).astype(np.float32).ravel())
-    basis = np.empty(count * 3, np.float32)
-    keys.reference_key.data.foreach_get("co", basis)
-    mesh.vertices.foreach_set("co", basis)
-    mesh.update()
+        points.write_block(key, (shapes[key.name] + added - own * loses_own).astype(np.float32))
+    points.write(obj, points.read_block(obj, keys.reference_key))
+    points.update(obj)
 
 
 def _relative_chain(key: bpy.types.ShapeKey) -> list[bpy.types.ShapeKey]:

@@ -7,23 +7,13 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array
+from . import points
 from .errors import Refusal
 
 POSE_KEY = "Pose"
 # Below this share of the shown shape a key is as good as off: its difference would be divided by the share,
 # and float32 coordinates would lose what the eye can see.
 LEAST_SHARE = 1e-3
-
-
-def read_points(points: bpy.types.bpy_prop_collection, count: int) -> np.ndarray:
-    """The float32 coordinates, count x 3, of a mesh's vertices or a shape key's data."""
-    if len(points) != count:
-        raise Refusal(
-            "A shape key has another number of points than the mesh: remove the key and make it again"
-        )
-    coordinates = np.empty(count * 3, np.float32)
-    points.foreach_get("co", coordinates)
-    return coordinates.reshape(-1, 3)
 
 
 def posed_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
@@ -54,22 +44,19 @@ def refusal(obj: bpy.types.Object) -> str | None:
 
 
 def shown_points(obj: bpy.types.Object) -> Array:
-    """The shape that the keys show together, count x 3 object-local (as Blender evaluates relative keys)."""
+    """The shape (scene/points.py) that the keys show together, as Blender evaluates relative keys."""
     keys = obj.data.shape_keys
-    count = len(obj.data.vertices)
-    basis = read_points(keys.reference_key.data, count).astype(np.float64)
+    basis = points.read_block(obj, keys.reference_key).astype(np.float64)
     if obj.show_only_shape_key:
         only = obj.active_shape_key
         if only.mute or only == keys.reference_key:
             return basis
-        offsets = read_points(only.data, count) - basis
-        return basis + offsets * _mask(obj, only)
+        return basis + (points.read_block(obj, only) - basis) * _mask(obj, only)
     shown = basis.copy()
     for key in keys.key_blocks:
         if _counts(keys, key):
-            offsets = read_points(key.data, count).astype(np.float64) - read_points(
-                key.relative_key.data, count
-            )
+            offsets = points.read_block(obj, key).astype(np.float64)
+            offsets -= points.read_block(obj, key.relative_key)
             shown += offsets * (key.value * _mask(obj, key))
     return shown
 
@@ -80,9 +67,8 @@ def share_of_posed_key(obj: bpy.types.Object) -> Array:
     Its own value through its mask, less the values of the keys that are relative to it.
     """
     keys = obj.data.shape_keys
-    count = len(obj.data.vertices)
     posed = posed_key(obj)
-    share = np.zeros((count, 1))
+    share = np.zeros((points.count(obj), 1))
     if posed is None:
         return share + 1.0  # the Pose key that will be made has value 1
     if obj.show_only_shape_key:
@@ -126,8 +112,7 @@ def add_pose_key(obj: bpy.types.Object) -> bpy.types.ShapeKey:
     """Add and activate a key at value 1 that starts as the Basis, so that the shown shape stays as it is."""
     key = obj.shape_key_add(name=POSE_KEY, from_mix=False)
     # A new key copies the mesh's own coordinates, which need not be the Basis.
-    basis = read_points(obj.data.shape_keys.reference_key.data, len(obj.data.vertices))
-    key.data.foreach_set("co", basis.ravel())
+    points.write_block(key, points.read_block(obj, obj.data.shape_keys.reference_key))
     key.value = 1.0  # 0 in 4.2, 1 in 5.2
     obj.active_shape_key_index = len(obj.data.shape_keys.key_blocks) - 1
     return key

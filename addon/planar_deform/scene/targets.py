@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a pose of a mesh is written: its vertices, its posed shape key, or its pose sequence.
+"""Where a pose of an object is written: its own points, its posed shape key, or its pose sequence.
 
 A target is read once, at the start of an action, and holds no reference to Blender's data.
 """
@@ -14,39 +14,39 @@ from . import points, sequence, shape_keys
 from .errors import Refusal
 
 
-def target_of(obj: bpy.types.Object, unkeyed: bool) -> MeshTarget | KeyTarget | SequenceTarget:
+def target_of(obj: bpy.types.Object, unkeyed: bool) -> OwnTarget | KeyTarget | SequenceTarget:
     """Where the object's next pose goes. `unkeyed`: never into a keyed pose. Raises Refusal."""
     if obj.data.shape_keys is None:
-        return MeshTarget(obj)
+        return OwnTarget(obj)
     return SequenceTarget(obj, unkeyed) if sequence.is_ours(obj) else KeyTarget(obj)
 
 
-class MeshTarget:
+class OwnTarget:
     """The mesh's or curve's own points."""
 
     begin: np.ndarray  # what is stored at the start, a shape as in scene/points.py
-    shown: Array  # count x 3, the coordinates shown
+    shown: Array  # the same for the shape shown
     share: Array  # count x 1, how much the shown shape moves when what is stored does
 
     def __init__(self, obj: bpy.types.Object):
         self.begin = points.read(obj)
-        self.shown = self.begin[:, :3].astype(np.float64)
+        self.shown = self.begin.astype(np.float64)
         self.share = np.ones((len(self.begin), 1))
 
     def is_there(self, obj: bpy.types.Object) -> bool:
         """Whether the object still stores its shape in this way."""
         return obj.data.shape_keys is None
 
-    def store(self, obj: bpy.types.Object, coordinates: np.ndarray) -> None:
+    def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
         """Show a shape."""
-        points.write(obj, coordinates)
+        points.write(obj, shape)
 
     def restore(self, obj: bpy.types.Object) -> None:
         """Put everything back as it was, to the bit."""
         self.store(obj, self.begin)
 
     def rest(self, obj: bpy.types.Object, rest: np.ndarray) -> np.ndarray | None:
-        """What to store (count x 3) for `rest` to show; None if it does already."""
+        """What to store for the shape `rest` to show; None if it does already."""
         return rest
 
 
@@ -58,9 +58,7 @@ class KeyTarget:
         key = shape_keys.posed_key(obj)
         self._name = None if key is None else key.name
         self._added: str | None = None
-        self.begin = shape_keys.read_points(
-            (keys.reference_key if key is None else key).data, len(obj.data.vertices)
-        )
+        self.begin = points.read_block(obj, keys.reference_key if key is None else key)
         self.shown = shape_keys.shown_points(obj)
         self.share = shape_keys.share_of_posed_key(obj)
 
@@ -69,11 +67,11 @@ class KeyTarget:
         name = self._added or self._name
         return keys is not None and keys.use_relative and (name is None or name in keys.key_blocks)
 
-    def store(self, obj: bpy.types.Object, coordinates: np.ndarray) -> None:
+    def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
         if self._name is None and self._added is None:
             self._added = shape_keys.add_pose_key(obj).name
         key = obj.data.shape_keys.key_blocks[self._added or self._name]
-        key.data.foreach_set("co", coordinates.ravel())
+        points.write_block(key, shape)
 
     def restore(self, obj: bpy.types.Object) -> None:
         if self._added is None:
@@ -88,7 +86,7 @@ class KeyTarget:
     def rest(self, obj: bpy.types.Object, rest: np.ndarray) -> np.ndarray | None:
         if self._name is None:
             return None  # the Basis is the rest
-        return shape_keys.read_points(shape_keys.under_posed_key(obj).data, len(obj.data.vertices))
+        return points.read_block(obj, shape_keys.under_posed_key(obj))
 
 
 class SequenceTarget:
@@ -103,7 +101,7 @@ class SequenceTarget:
         self._time = keys.eval_time
         self._was_unkeyed = sequence.unkeyed(obj)
         self.begin = sequence.shown_points(obj)
-        self.shown = self.begin[:, :3].astype(np.float64)
+        self.shown = self.begin.astype(np.float64)
         self.share = np.ones((len(self.begin), 1))
 
     def is_there(self, obj: bpy.types.Object) -> bool:
@@ -111,11 +109,11 @@ class SequenceTarget:
             return False
         return self._name is None or self._name in obj.data.shape_keys.key_blocks
 
-    def store(self, obj: bpy.types.Object, coordinates: np.ndarray) -> None:
+    def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
         if self._name is None:
-            sequence.show_unkeyed(obj, coordinates)
+            sequence.show_unkeyed(obj, shape)
         else:
-            points.write_block(obj.data.shape_keys.key_blocks[self._name], coordinates)
+            points.write_block(obj.data.shape_keys.key_blocks[self._name], shape)
 
     def restore(self, obj: bpy.types.Object) -> None:
         if self._name is not None or self._was_unkeyed:
