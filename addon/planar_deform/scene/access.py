@@ -31,8 +31,8 @@ def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | No
         return "No active object: select a flat mesh"
     if obj.type == "CURVE":
         return (
-            f"'{obj.name}' is a curve, and pins need faces: pose it in Edit Mode and use Key Pose, or make it "
-            "a mesh with Object > Convert > Mesh"
+            f"'{obj.name}' is a curve, and pins need faces: pose it in Edit Mode and use Key Pose, or make "
+            "it a mesh with Object > Convert > Mesh"
         )
     if obj.type != "MESH":
         return f"'{obj.name}' is not a mesh: convert it with Object > Convert > Mesh"
