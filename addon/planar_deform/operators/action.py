@@ -13,7 +13,7 @@ from .. import native
 from ..model import solver_cache, solving
 from ..model.frame import Array
 from ..model.pins import Holder
-from ..model.posing import PinResult, PoseAction, Sample, Solved
+from ..model.posing import PoseAction, Sample, Solved
 from ..scene import pins, snapshot
 from ..scene.access import Refusal, begin
 from . import keying
@@ -140,10 +140,7 @@ class SceneAction:
     def show(self, solved: Solved) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
         self._write(solved.positions)
-        results = list(solved.results)
-        for holder in self._off:  # they go where the drawing takes them
-            place, angle = holder.place(solved.positions), holder.fitted_angle(solved.positions)
-            results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
+        results = [*solved.results, *pins.carried(self._off, solved.positions)]
         snapshot.follow(self.scene, solved.positions, results)
 
     def keep(self, solved: Solved) -> None:

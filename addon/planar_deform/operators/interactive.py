@@ -133,9 +133,9 @@ def running() -> Session | None:
     return _running
 
 
-def put_up(context: bpy.types.Context, keys: str) -> None:
+def put_up(context: bpy.types.Context, keys: str, cursor: str = "SCROLL_XY") -> None:
     """Show that a drag is on, and in the status bar what can be pressed."""
-    context.window.cursor_modal_set("SCROLL_XY")
+    context.window.cursor_modal_set(cursor)
     context.workspace.status_text_set(keys)
 
 

@@ -5,14 +5,19 @@ from __future__ import annotations
 
 import bpy
 
-from ..scene import sequence
+from ..scene import pose_blocks, sequence
 from ..scene.shape import begin_shape
 
 
-def key_shown(context: bpy.types.Context) -> None:
-    """Key the shape that the active object shows at the present frame. Raises Refusal."""
-    scene = begin_shape(context)
-    sequence.put(scene, {context.scene.frame_current_final: scene.positions})
+def key_shown(context: bpy.types.Context, *, kind: str | None = None) -> None:
+    """Key the shape that the active object shows at the present frame. Raises Refusal.
+
+    `kind`: the type of the key, one of Blender's; by default it keeps the one it has.
+    """
+    scene, frame = begin_shape(context), context.scene.frame_current_final
+    sequence.put(scene, {frame: scene.positions})
+    if kind is not None:
+        pose_blocks.set_key_type(context.object.data.shape_keys, frame, kind)
 
 
 def auto_key(context: bpy.types.Context) -> None:

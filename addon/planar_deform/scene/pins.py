@@ -9,7 +9,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ..model.frame import Indices
+from ..model.frame import Array, Indices
 from ..model.locate import MeshPoint
 from ..model.pins import Holder, Pin
 from ..model.posing import PinResult
@@ -105,6 +105,15 @@ def model_pins(obj: bpy.types.Object, scene: SceneCutout) -> list[Pin]:
                 model = replace(model, target=target)
         pins.append(model)
     return pins
+
+
+def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:
+    """Where pins are that go where the drawing, n x 2, takes them."""
+    results = []
+    for holder in holders:
+        place, angle = holder.place(positions), holder.fitted_angle(positions)
+        results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
+    return results
 
 
 def store_results(obj: bpy.types.Object, scene: SceneCutout, results: Iterable[PinResult]) -> None:

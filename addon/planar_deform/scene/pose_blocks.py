@@ -85,3 +85,9 @@ def keyed(keys: bpy.types.Key | None) -> np.ndarray:
     timeline = np.empty(len(curve.keyframe_points) * 2, np.float32)
     curve.keyframe_points.foreach_get("co", timeline)
     return timeline.reshape(-1, 2)
+
+
+def set_key_type(keys: bpy.types.Key, frame: float, kind: str) -> None:
+    """Give the key of the curve at a frame one of Blender's types, such as 'BREAKDOWN'."""
+    for index in np.flatnonzero(np.abs(keyed(keys)[:, 0] - frame) < SAME_FRAME):
+        own_curve(keys).keyframe_points[int(index)].type = kind
