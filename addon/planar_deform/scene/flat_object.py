@@ -110,7 +110,16 @@ class FlatObject:
 
         Raises Refusal beyond what Blender can store.
         """
-        return self._placed(self._target.shown.astype(np.float32), positions, np.ones_like(self._share))
+        shown = self._target.shown.astype(np.float32)
+        return self._placed(shown, self.positions, positions, np.ones_like(self._share))
+
+    def moved(self, shape: np.ndarray, positions: Array) -> np.ndarray:
+        """Any shape of the object with its points of the plane taken to n x 2 positions.
+
+        What the plane does not tell stays: depths, and points that nothing joins. Raises Refusal beyond what
+        Blender can store.
+        """
+        return self._placed(shape, self.flattened(shape), positions, np.ones_like(self._share))
 
     # -- writing
 
@@ -120,7 +129,7 @@ class FlatObject:
         A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
         Raises Refusal, with nothing changed, beyond what Blender can store.
         """
-        self._store(self._placed(self._target.begin, positions, self._share))
+        self._store(self._placed(self._target.begin, self.positions, positions, self._share))
 
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
@@ -139,9 +148,9 @@ class FlatObject:
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
         return obj
 
-    def _placed(self, begin: np.ndarray, positions: Array, share: Array) -> np.ndarray:
-        moved = np.flatnonzero(np.any(positions != self.positions, axis=1))
-        offsets = mapped(self.frame.lift(positions[moved] - self.positions[moved]), self._inverse)
+    def _placed(self, begin: np.ndarray, start: Array, positions: Array, share: Array) -> np.ndarray:
+        moved = np.flatnonzero(np.any(positions != start, axis=1))
+        offsets = mapped(self.frame.lift(positions[moved] - start[moved]), self._inverse)
         offsets /= share[moved]
         rows = self.vertex_indices[moved]
         shape = begin.copy()
