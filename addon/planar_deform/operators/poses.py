@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 from bpy.props import IntProperty
 
-from ..scene import sequence
+from ..scene import modifiers, sequence
 from ..scene.access import Refusal
 from .keying import key_shown
 from .posing_operator import ShapeOperator
@@ -19,7 +19,8 @@ class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context):
-        return super().refusal(context) or sequence.refusal(context.object)
+        obj = context.object
+        return super().refusal(context) or modifiers.covering(obj) or sequence.refusal(obj)
 
     def apply(self, context):
         key_shown(context)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ..scene import sequence
-from ..scene.access import pose_refusal
+from ..scene.shape import is_outline, shape_refusal
 from .panel import PlanarPanel, lines
 
 
@@ -29,7 +29,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.type == "MESH"
+        return context.object is not None and context.object.type in {"MESH", "CURVE"}
 
     def draw(self, context):
         layout = self.layout
@@ -51,10 +51,21 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
         row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
         row.operator("planar.mirror_pose", text="Mirror", icon="MOD_MIRROR")
-        if sequence.unkeyed(obj):
-            lines(layout, "The pose shown is not keyed: the next frame change takes it away", "INFO", context)
-        elif pose_refusal(obj) is None and (reason := sequence.refusal(obj)) is not None:
-            lines(layout, reason, "INFO", context)
+        note = _note(obj)
+        if note is not None:
+            lines(layout, note, "INFO", context)
+
+
+def _note(obj):
+    """What the user should know of the object's poses."""
+    if obj.mode == "EDIT" and sequence.is_ours(obj):
+        return f"Edit Mode edits the shape key that is active: '{obj.active_shape_key.name}'"
+    if sequence.unkeyed(obj):
+        return "The pose shown is not keyed: the next frame change takes it away"
+    reason = shape_refusal(obj)
+    if reason is None:
+        return sequence.refusal(obj)
+    return reason if is_outline(obj) else None  # of a mesh with faces the pins' panel says it
 
 
 CLASSES = (PLANAR_UL_poses, PLANAR_PT_poses)
