@@ -23,7 +23,10 @@ if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
     )
 
 Method = Literal["hold", "akvf"]
+Cancelled = planar_native.Cancelled
 Poser = planar_native.Poser
 Report = planar_native.Report
 SolveError = planar_native.SolveError
 distortion = planar_native.distortion
+edit_sequence = planar_native.edit_sequence
+transfer_motion = planar_native.transfer_motion

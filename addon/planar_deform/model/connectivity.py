@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which vertices the faces of a mesh join, whatever its shape."""
+"""Which vertices the faces of a mesh, or the lines of an outline, join, whatever its shape."""
 
 from __future__ import annotations
 
@@ -12,17 +12,20 @@ from .frame import Indices
 
 @dataclass(frozen=True)
 class Connectivity:
-    """The faces of a cutout, as they are in the mesh: triangles, quads, n-gons."""
+    """The faces of a cutout, as they are in the mesh: triangles, quads, n-gons; or lines."""
 
     count: int  # vertices that belong to a face
     sizes: Indices  # corners of each face
     corners: Indices  # their vertices, face after face
+    kind: str = "faces"  # or "lines", which have two corners
 
     def difference(self, other: Connectivity) -> str | None:
         """What sets two apart, as "65 vertices, not 66"; None when they are the same."""
+        if self.kind != other.kind:
+            return f"{self.kind}, not {other.kind}"
         for here, there, what in (
             (self.count, other.count, "vertices"),
-            (len(self.sizes), len(other.sizes), "faces"),
+            (len(self.sizes), len(other.sizes), self.kind),
         ):
             if here != there:
                 return f"{here} {what}, not {there}"
@@ -30,7 +33,7 @@ class Connectivity:
             return f"{np.count_nonzero(self.sizes != other.sizes)} faces with another number of corners"
         owner = np.repeat(np.arange(len(self.sizes)), self.sizes)
         unequal = np.unique(owner[self.corners != other.corners])
-        return f"{len(unequal)} of {len(self.sizes)} faces on other vertices" if len(unequal) else None
+        return f"{len(unequal)} of {len(self.sizes)} {self.kind} on other vertices" if len(unequal) else None
 
     def edges(self) -> Indices:
         """The edges of all faces, e x 2, each once, lower vertex first, sorted."""

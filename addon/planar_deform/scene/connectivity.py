@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the faces of a mesh as they are, before any triangulation."""
+"""Reads what joins the points of an object: faces as they are, before any triangulation, or lines."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from ..model.connectivity import Connectivity
 from ..model.frame import Indices
+from .shape import SceneShape
 
 
 def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
@@ -17,3 +18,11 @@ def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     return Connectivity(len(vertices), sizes, np.searchsorted(vertices, corners).astype(np.int32))
+
+
+def shape_connectivity(scene: SceneShape) -> Connectivity:
+    """The faces or the lines of any shape. Raises ObjectGone."""
+    edges = scene.elements.get("edges")
+    if edges is None:
+        return connectivity_of(scene.resolve().data, scene.vertex_indices)
+    return Connectivity(len(scene.vertex_indices), np.full(len(edges), 2, np.int32), edges.ravel(), "lines")
