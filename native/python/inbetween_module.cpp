@@ -66,6 +66,23 @@ Eigen::MatrixXi to_turns(py::handle value, Eigen::Index n_transitions) {
   return turns;
 }
 
+// Indices, or a sequence of indices and None, one a transition.
+std::vector<Eigen::VectorXi> to_anchors(py::handle value) {
+  if (value.is_none()) return {};
+  const auto is_set = [](py::handle item) {
+    return item.is_none() || (py::isinstance<py::sequence>(item) && !py::isinstance<py::str>(item)) ||
+           (py::isinstance<py::array>(item) && py::reinterpret_borrow<py::array>(item).ndim() > 0);
+  };
+  const bool several = (py::isinstance<py::sequence>(value) || py::isinstance<py::array>(value)) &&
+                       py::len(value) > 0 && is_set(*py::iter(value));
+  if (!several) return {to_indices("anchor", value)};
+  std::vector<Eigen::VectorXi> anchors;
+  for (const py::handle item : value) {
+    anchors.push_back(to_indices("anchor[" + std::to_string(anchors.size()) + "]", item));
+  }
+  return anchors;
+}
+
 template <typename Choice>
 Choice to_choice(const char* name, const std::string& value, const std::map<std::string, Choice>& choices) {
   const auto found = choices.find(value);
@@ -113,14 +130,15 @@ Eigen::Index vertices_of(const std::vector<Points>& shapes) { return shapes.empt
 // What inbetween and Inbetweens are given in common.
 struct Request {
   Request(py::handle keys_, py::handle triangles, py::handle edges, py::handle key_times, py::handle rest,
-          py::handle turns, py::handle anchor, const std::string& anchor_path, double tolerance,
+          py::handle turns, py::handle anchor, const std::string& anchor_path, bool smooth, double tolerance,
           int max_iterations, int threads, const py::object& progress)
       : keys(to_shapes("keys", keys_)), elements(to_elements(triangles, edges)) {
     options.key_times = to_numbers("key_times", key_times, static_cast<Eigen::Index>(keys.size()));
     if (!rest.is_none()) options.rest = to_points("rest", rest, vertices_of(keys));
     options.turns = to_turns(turns, static_cast<Eigen::Index>(keys.size()) - 1);
-    options.anchor = to_indices("anchor", anchor);
+    options.anchors = to_anchors(anchor);
     options.anchor_path = to_path(anchor_path);
+    options.smooth = smooth;
     options.tolerance = tolerance;
     options.max_iterations = max_iterations;
     options.threads = threads;
@@ -135,9 +153,9 @@ struct Request {
 py::array_t<double> py_inbetween(py::handle keys, py::handle times, py::handle triangles, py::handle edges,
                                  py::handle key_times, py::handle rest, py::handle turns,
                                  const std::string& method, py::handle anchor, const std::string& anchor_path,
-                                 double tolerance, int max_iterations, int threads,
+                                 bool smooth, double tolerance, int max_iterations, int threads,
                                  const py::object& progress) {
-  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, tolerance,
+  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, smooth, tolerance,
                   max_iterations, threads, progress);
   request.options.method = to_method(method);
   const Eigen::VectorXd t = to_numbers("times", times, kAnyRows);
@@ -160,13 +178,13 @@ class GuardedInbetweens {
             [&](const auto& elements) { return Inbetweens(request.keys, elements, request.options); },
             request.elements)) {}
 
-  py::array_t<double> at(py::handle times) {
+  py::array_t<double> at(py::handle times, bool overshoot) {
     const Eigen::VectorXd t = to_numbers("times", times, kAnyRows);
     std::vector<Points> frames;
     {
       const py::gil_scoped_release unlocked;
       const std::lock_guard lock(mutex_);
-      frames = motion_.at(t);
+      frames = motion_.at(t, overshoot ? Outside::extrapolate : Outside::refuse);
     }
     return to_array(frames, n_vertices_);
   }
@@ -181,10 +199,10 @@ using InbetweensRef = std::shared_ptr<GuardedInbetweens>;
 
 InbetweensRef make_inbetweens(py::handle keys, py::handle triangles, py::handle edges, py::handle key_times,
                               py::handle rest, py::handle turns, py::handle anchor,
-                              const std::string& anchor_path, double tolerance, int max_iterations,
-                              int threads, const py::object& progress) {
-  const Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, tolerance,
-                        max_iterations, threads, progress);
+                              const std::string& anchor_path, bool smooth, double tolerance,
+                              int max_iterations, int threads, const py::object& progress) {
+  const Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, smooth,
+                        tolerance, max_iterations, threads, progress);
   const py::gil_scoped_release unlocked;
   return std::make_shared<GuardedInbetweens>(request);
 }
@@ -232,9 +250,10 @@ void bind_inbetween(py::module_& m) {
       "inbetween", &py_inbetween, py::arg("keys"), py::arg("times"), py::kw_only(),
       py::arg("triangles") = py::none(), py::arg("edges") = py::none(), py::arg("key_times") = py::none(),
       py::arg("rest") = py::none(), py::arg("turns") = py::none(), py::arg("method") = "midpoint",
-      py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight", py::arg("tolerance") = 5e-4,
-      py::arg("max_iterations") = 100, py::arg("threads") = 0, py::arg("progress") = py::none(),
-      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight", py::arg("smooth") = false,
+      py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100, py::arg("threads") = 0,
+      py::arg("progress") = py::none(),
+      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 Shapes between key shapes, as isometric as possible (Li et al. 2013, "Planar shape interpolation using relative velocity
 fields").
@@ -243,7 +262,8 @@ keys K x n x 2, K >= 2; times f, each from the first key's time to the last's; o
 open lines, any edge soup). key_times K, ascending (None: 0..K-1). rest n x 2: lengths and box are taken from it, so that what is
 between two keys depends on no other (None: from the keys' means). turns: extra whole turns, counter-clockwise: a number, K-1, or
 (K-1) x parts. anchor: vertices whose mean, part by part, moves on anchor_path "straight" or "arc" (None: the centroid of each
-part). tolerance of (11), a share of the box diagonal. The result does not depend on threads (0: one per core).
+part), or a list of K-1 such sets and None. smooth: velocities are continuous at the keys, too; what rests or turns back at a key
+does so without overshoot, and what is between two keys then depends on the ones next to them as well. tolerance of (11), a share of the box diagonal. The result does not depend on threads (0: one per core).
 
 method "midpoint" solves on a grid that depends on the keys alone and samples it: any times give the same frames. Where triangles
 would be flipped though they are not in the keys, the motion between those is tracked so that none is. "paper" and "global" are
@@ -255,7 +275,7 @@ Cancelled.)");
 
   auto motion_class = py::class_<GuardedInbetweens, InbetweensRef>(
       m, "Inbetweens",
-      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 The motion of inbetween(method="midpoint"), solved once, to be sampled again and again: for a breakdown under the mouse.
 
@@ -265,13 +285,18 @@ Arguments and errors as inbetween. Threads may share an object: calls on it wait
       .def(py::init(&make_inbetweens), py::arg("keys"), py::kw_only(), py::arg("triangles") = py::none(),
            py::arg("edges") = py::none(), py::arg("key_times") = py::none(), py::arg("rest") = py::none(),
            py::arg("turns") = py::none(), py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight",
-           py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100, py::arg("threads") = 0,
-           py::arg("progress") = py::none())
+           py::arg("smooth") = false, py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100,
+           py::arg("threads") = 0, py::arg("progress") = py::none())
       .def(
-          "at", [](const InbetweensRef& motion, py::handle times) { return motion->at(times); },
-          py::arg("times"), R"(at(times)
+          "at",
+          [](const InbetweensRef& motion, py::handle times, bool overshoot) {
+            return motion->at(times, overshoot);
+          },
+          py::arg("times"), py::kw_only(), py::arg("overshoot") = false, R"(at(times, *, overshoot=False)
 
-The shapes at times, f, in any order. Returns f x n x 2. Raises ValueError and SolveError.)");
+The shapes at times, f, in any order. With overshoot they may lie outside of the keys' times, by no more than the outermost two
+keys are apart: there the motion goes on with the velocities that it has at the key. Returns f x n x 2. Raises ValueError and
+SolveError.)");
 
   m.def("transfer_motion", &py_transfer_motion, py::arg("frames"), py::arg("target"), py::kw_only(),
         py::arg("triangles") = py::none(), py::arg("edges") = py::none(),

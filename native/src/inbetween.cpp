@@ -20,7 +20,7 @@ struct Inbetweens::State {
   /// What moves from keys[k] to keys[k+1].
   struct Transition {
     MidpointTransition edges;
-    PartPlacer::Course course;
+    PartPlacer placer;
     std::unique_ptr<FlipRepair> repair;  ///< none if there is nothing to repair
   };
 
@@ -28,43 +28,68 @@ struct Inbetweens::State {
       : keys(shapes),
         times(key_times_of(keys, options)),
         graph(std::move(edge_graph)),
-        placer(graph, options.anchor),
         assembler(graph),
         team(options.threads) {
     require_iteration(options);
     if (options.method != InbetweenMethod::midpoint) {
       throw std::invalid_argument("method: only midpoint can be sampled at any time");
     }
-    const auto n_transitions = static_cast<Eigen::Index>(keys.size()) - 1;
+    const std::vector<Eigen::VectorXi> anchors = anchors_of(graph, keys, options);
     const Eigen::MatrixXi extra = turns_of(graph, keys, options);
     const std::vector<Points> references = references_of(keys, options);
     const double tolerance = options.tolerance * diagonal_of(references);
     assembler.factorize(frozen_weights(graph, references));
     const EdgeTurns unwrapped(graph);
-    for (Eigen::Index k = 0; k < n_transitions; ++k) {
-      const Points &from = keys[static_cast<std::size_t>(k)], &to = keys[static_cast<std::size_t>(k) + 1];
+    transitions.reserve(anchors.size());
+    for (std::size_t k = 0; k < anchors.size(); ++k) {
+      const Points &from = keys[k], &to = keys[k + 1];
       const Eigen::VectorXd turns = unwrapped.between(from, to);
       const Eigen::VectorXd part_turns = mean_turns(graph, turns, from, to);
       PartPlacer::Course course{part_turns, Eigen::VectorXd::Zero(graph.n_parts)};
       // Extra turns are about the anchor; on its arc they would be orbits.
       if (options.anchor_path == AnchorPath::arc) course.arc_turns = PartPlacer::arcs(part_turns);
-      course.turns += 2.0 * std::numbers::pi * extra.row(k).transpose().cast<double>();
-      const MidpointTransition::Settings settings{tolerance, options.max_iterations, [&](double done) {
-                                                    const double share = (static_cast<double>(k) + done) /
-                                                                         static_cast<double>(n_transitions);
-                                                    if (options.progress && !options.progress(share))
-                                                      throw Cancelled();
-                                                  }};
+      course.turns +=
+          2.0 * std::numbers::pi * extra.row(static_cast<Eigen::Index>(k)).transpose().cast<double>();
+      const MidpointTransition::Settings settings{tolerance, options.max_iterations,
+                                                  progress_of(options, 0.0, k)};
       settings.progress(0.0);
-      MidpointTransition edges(graph, assembler, from, to, turns, part_turns, settings, team);
-      const Eigen::Index steps = edges.steps();
-      transitions.push_back({std::move(edges), std::move(course), nullptr});
-      const auto unrepaired = [&](const Eigen::VectorXd& u) {
-        return frames(std::vector<Eigen::Index>(static_cast<std::size_t>(u.size()), k), u, false);
-      };
-      auto repair = std::make_unique<FlipRepair>(graph, from, to, steps, unrepaired, settings.progress, team);
-      if (repair->needed()) transitions.back().repair = std::move(repair);
+      transitions.push_back({{graph, assembler, from, to, turns, part_turns, settings, team},
+                             {graph, from, to, anchors[k], std::move(course)},
+                             nullptr});
     }
+    if (options.smooth) join_transitions();
+    for (std::size_t k = 0; k < anchors.size(); ++k) repair(k, progress_of(options, 0.5, k));
+  }
+
+  /// Of the work on one transition, which is done in halves: first all are solved, then all are repaired.
+  std::function<void(double)> progress_of(const InbetweenOptions& options, double begin,
+                                          std::size_t k) const {
+    const auto n_transitions = static_cast<double>(keys.size() - 1);
+    const double start = begin + 0.5 * static_cast<double>(k) / n_transitions;
+    return [&progress = options.progress, start, n_transitions](double done) {
+      if (progress && !progress(start + 0.5 * done / n_transitions)) throw Cancelled();
+    };
+  }
+
+  void join_transitions() {
+    for (std::size_t k = 1; k < transitions.size(); ++k) {
+      const auto key = static_cast<Eigen::Index>(k);
+      const KeyGaps gaps{times[key] - times[key - 1], times[key + 1] - times[key]};
+      MidpointTransition::join(transitions[k - 1].edges, transitions[k].edges, gaps);
+      PartPlacer::join(transitions[k - 1].placer, transitions[k].placer, gaps);
+    }
+  }
+
+  void repair(std::size_t k, const std::function<void(double)>& progress) {
+    progress(0.0);
+    const auto unrepaired = [&](const Eigen::VectorXd& u) {
+      return frames(
+          std::vector<Eigen::Index>(static_cast<std::size_t>(u.size()), static_cast<Eigen::Index>(k)), u,
+          false);
+    };
+    auto repair = std::make_unique<FlipRepair>(graph, keys[k], keys[k + 1], transitions[k].edges.steps(),
+                                               unrepaired, progress, team);
+    if (repair->needed()) transitions[k].repair = std::move(repair);
   }
 
   /// Frames at shares u[i] of transitions k[i], a pass for FrameAssembler::lanes of them.
@@ -84,10 +109,10 @@ struct Inbetweens::State {
       assembler.assemble(edges, 0, points);
       for (Eigen::Index i = 0; i < count; ++i) {
         const auto row = static_cast<std::size_t>(first + i);
-        const auto key = static_cast<std::size_t>(k[row]);
-        result[row] = placer.place(points, i, keys[key], keys[key + 1], u[first + i], transition(i).course);
+        const PartPlacer& placer = transition(i).placer;
+        result[row] = placer.place(points, i, u[first + i]);
         const FlipRepair* repair = transition(i).repair.get();
-        if (!repaired || !repair) continue;
+        if (!repaired || !repair || u[first + i] < 0.0 || u[first + i] > 1.0) continue;
         Points upright = repair->repaired(result[row], u[first + i], thread);
         placer.hold_anchors(result[row], upright);
         result[row] = std::move(upright);
@@ -96,26 +121,30 @@ struct Inbetweens::State {
     return result;
   }
 
-  std::vector<Points> sample(const Eigen::VectorXd& wanted) {
+  std::vector<Points> sample(const Eigen::VectorXd& wanted, Outside outside) {
     std::vector<Points> result(static_cast<std::size_t>(wanted.size()));
     std::vector<std::size_t> rows;  // those that are not keys
     std::vector<Eigen::Index> k;
     std::vector<double> u;
     for (Eigen::Index i = 0; i < wanted.size(); ++i) {
       const double time = wanted[i];
-      if (!(time >= times[0] && time <= times[times.size() - 1])) {
-        throw std::invalid_argument(row_of("times", i) + "outside of the keys' times");
-      }
       const auto row = static_cast<std::size_t>(i);
       const auto* after = std::upper_bound(times.data(), times.data() + times.size(), time);
-      const Eigen::Index before = after - times.data() - 1;
+      const Eigen::Index before = std::clamp<Eigen::Index>(after - times.data() - 1, 0, times.size() - 1);
       if (time == times[before]) {
         result[row] = keys[static_cast<std::size_t>(before)];
-      } else {
-        rows.push_back(row);
-        k.push_back(before);
-        u.push_back((time - times[before]) / (times[before + 1] - times[before]));
+        continue;
       }
+      const Eigen::Index transition = std::min(before, times.size() - 2);
+      const double share = (time - times[transition]) / (times[transition + 1] - times[transition]);
+      const double margin = outside == Outside::extrapolate ? 1.0 : 0.0;
+      if (!(share >= -margin && share <= 1.0 + margin)) {
+        throw std::invalid_argument(row_of("times", i) + "outside of the keys' times" +
+                                    (margin > 0.0 ? " by more than the outermost two are apart" : ""));
+      }
+      rows.push_back(row);
+      k.push_back(transition);
+      u.push_back(share);
     }
     std::vector<Points> solved =
         frames(k, Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size())), true);
@@ -126,7 +155,6 @@ struct Inbetweens::State {
   std::vector<Points> keys;
   Eigen::VectorXd times;
   EdgeGraph graph;
-  PartPlacer placer;
   FrameAssembler assembler;
   ThreadTeam team;
   std::vector<Transition> transitions;
@@ -160,11 +188,13 @@ Inbetweens::Inbetweens(Inbetweens&&) noexcept = default;
 Inbetweens& Inbetweens::operator=(Inbetweens&&) noexcept = default;
 Inbetweens::~Inbetweens() = default;
 
-Points Inbetweens::at(double time) const {
-  return state_->sample(Eigen::VectorXd::Constant(1, time)).front();
+Points Inbetweens::at(double time, Outside outside) const {
+  return state_->sample(Eigen::VectorXd::Constant(1, time), outside).front();
 }
 
-std::vector<Points> Inbetweens::at(const Eigen::VectorXd& times) const { return state_->sample(times); }
+std::vector<Points> Inbetweens::at(const Eigen::VectorXd& times, Outside outside) const {
+  return state_->sample(times, outside);
+}
 
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
                               const Triangles& triangles, const InbetweenOptions& options) {

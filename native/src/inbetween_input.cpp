@@ -99,6 +99,28 @@ Eigen::MatrixXi turns_of(const EdgeGraph& graph, const std::vector<Points>& keys
   return turns.cols() == n_parts ? turns : turns.replicate(1, n_parts).eval();
 }
 
+std::vector<Eigen::VectorXi> anchors_of(const EdgeGraph& graph, const std::vector<Points>& keys,
+                                        const InbetweenOptions& options) {
+  std::vector<Eigen::VectorXi> anchors = options.anchors;
+  const bool single = anchors.size() == 1;
+  if (anchors.empty()) anchors.emplace_back();
+  if (anchors.size() == 1) anchors.resize(keys.size() - 1, anchors[0]);
+  if (anchors.size() != keys.size() - 1) {
+    throw std::invalid_argument("anchor: " + std::to_string(anchors.size()) + " sets, expected 1 or " +
+                                std::to_string(keys.size() - 1) + " (one per pair of keys)");
+  }
+  for (std::size_t k = 0; k < anchors.size(); ++k) {
+    const std::string name = single ? "anchor" : "anchor[" + std::to_string(k) + "]";
+    for (Eigen::Index i = 0; i < anchors[k].size(); ++i) {
+      if (anchors[k][i] >= 0 && anchors[k][i] < graph.n_vertices) continue;
+      throw std::invalid_argument(row_of(name.c_str(), i) + "vertex " + std::to_string(anchors[k][i]) +
+                                  " is out of range, the shape has " + std::to_string(graph.n_vertices) +
+                                  " vertices");
+    }
+  }
+  return anchors;
+}
+
 Eigen::VectorXd mean_turns(const EdgeGraph& graph, const Eigen::VectorXd& turns, const Points& from,
                            const Points& to) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(graph.n_parts), weight = sum;

@@ -27,6 +27,10 @@ Eigen::VectorXd frozen_weights(const EdgeGraph& graph, const std::vector<Points>
 Eigen::MatrixXi turns_of(const EdgeGraph& graph, const std::vector<Points>& keys,
                          const InbetweenOptions& options);
 
+/// options.anchors, a set for each transition.
+std::vector<Eigen::VectorXi> anchors_of(const EdgeGraph& graph, const std::vector<Points>& keys,
+                                        const InbetweenOptions& options);
+
 /// The mean of `turns` (one an edge) over the edges of each part, by their lengths in both keys.
 Eigen::VectorXd mean_turns(const EdgeGraph& graph, const Eigen::VectorXd& turns, const Points& from,
                            const Points& to);

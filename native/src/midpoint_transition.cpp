@@ -15,6 +15,7 @@ using Complex = std::complex<double>;
 constexpr double largest_turn = std::numbers::pi / 6.0;  // of an edge in one step of the grid
 constexpr Eigen::Index fewest_steps = 8;
 constexpr Eigen::Index most_steps = 64;
+constexpr double largest_growth = 2.0;  // of a length outside of the keys, as a logarithm
 constexpr Eigen::Index edges_per_task = 512;
 
 Complex direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
@@ -132,7 +133,59 @@ void MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssembler& a
   }
 }
 
+/// Per u, of the parabola through the outermost three frames.
+double MidpointTransition::first_slope(const Table& of, Eigen::Index edge) const {
+  return static_cast<double>(steps_) * (2.0 * of(edge, 1) - 1.5 * of(edge, 0) - 0.5 * of(edge, 2));
+}
+
+double MidpointTransition::last_slope(const Table& of, Eigen::Index edge) const {
+  return static_cast<double>(steps_) *
+         (1.5 * of(edge, steps_) - 2.0 * of(edge, steps_ - 1) + 0.5 * of(edge, steps_ - 2));
+}
+
+void MidpointTransition::join(MidpointTransition& before, MidpointTransition& after, KeyGaps gaps) {
+  const auto n_edges = before.length_.rows();
+  for (MidpointTransition* transition : {&before, &after}) {
+    transition->length_change_.resize(static_cast<std::size_t>(n_edges));
+    transition->angle_change_.resize(static_cast<std::size_t>(n_edges));
+  }
+  const auto meet = [&](Table MidpointTransition::*of,
+                        std::vector<SlopeChange<double>> MidpointTransition::*change) {
+    for (Eigen::Index i = 0; i < n_edges; ++i) {
+      const auto edge = static_cast<std::size_t>(i);
+      const double a = before.last_slope(before.*of, i), b = after.first_slope(after.*of, i);
+      const double slope = slope_through_key(a / gaps.before, b / gaps.after, gaps);
+      (before.*change)[edge].last = slope * gaps.before - a;
+      (after.*change)[edge].first = slope * gaps.after - b;
+    }
+  };
+  meet(&MidpointTransition::length_, &MidpointTransition::length_change_);
+  meet(&MidpointTransition::angle_, &MidpointTransition::angle_change_);
+}
+
+void MidpointTransition::sample_outside(double u, ComplexRows& edges, Eigen::Index column) const {
+  const bool first = u < 0.0;
+  const Eigen::Index frame = first ? 0 : steps_;
+  for (Eigen::Index i = 0; i < length_.rows(); ++i) {
+    double stretch = first ? first_slope(length_, i) : last_slope(length_, i);
+    double turn = first ? first_slope(angle_, i) : last_slope(angle_, i);
+    if (!length_change_.empty()) {
+      const auto edge = static_cast<std::size_t>(i);
+      stretch += first ? length_change_[edge].first : length_change_[edge].last;
+      turn += first ? angle_change_[edge].first : angle_change_[edge].last;
+    }
+    const double beyond = first ? u : u - 1.0, length = length_(i, frame);
+    const double growth =
+        length > 0.0 ? std::clamp(beyond * stretch / length, -largest_growth, largest_growth) : 0.0;
+    edges(i, column) = length * std::exp(growth) * direction(angle_(i, frame) + beyond * turn);
+  }
+}
+
 void MidpointTransition::sample(double u, ComplexRows& edges, Eigen::Index column) const {
+  if (u < 0.0 || u > 1.0) {
+    sample_outside(u, edges, column);
+    return;
+  }
   const double place = u * static_cast<double>(steps_);
   const Eigen::Index k =
       std::clamp(static_cast<Eigen::Index>(std::floor(place)), Eigen::Index{0}, steps_ - 1);
@@ -161,8 +214,12 @@ void MidpointTransition::sample(double u, ComplexRows& edges, Eigen::Index colum
   add_slope(k + 1, h11);
   for (Eigen::Index i = 0; i < length_.rows(); ++i) {
     const double *r = &length_(i, first), *phi = &angle_(i, first);
-    const double length = weight[0] * r[0] + weight[1] * r[1] + weight[2] * r[2] + weight[3] * r[3];
-    const double angle = weight[0] * phi[0] + weight[1] * phi[1] + weight[2] * phi[2] + weight[3] * phi[3];
+    double length = weight[0] * r[0] + weight[1] * r[1] + weight[2] * r[2] + weight[3] * r[3];
+    double angle = weight[0] * phi[0] + weight[1] * phi[1] + weight[2] * phi[2] + weight[3] * phi[3];
+    if (!length_change_.empty()) {
+      length += length_change_[static_cast<std::size_t>(i)].at(u);
+      angle += angle_change_[static_cast<std::size_t>(i)].at(u);
+    }
     edges(i, column) = length * direction(angle);
   }
 }

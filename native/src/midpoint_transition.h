@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "frame_assembler.h"
+#include "key_slopes.h"
 #include "thread_team.h"
 
 namespace planar {
@@ -33,18 +34,28 @@ class MidpointTransition {
                      const Points& to, const Eigen::VectorXd& edge_turns, const Eigen::VectorXd& part_turns,
                      const Settings& settings, ThreadTeam& team);
 
-  /// Edge vectors at u from 0 to 1, into one column.
+  /// Edge vectors at u from 0 to 1, into one column. Outside, angles go on straight and lengths
+  /// exponentially, so that they stay above 0.
   void sample(double u, ComplexRows& edges, Eigen::Index column) const;
+
+  /// Has lengths and angles meet the key between two transitions with the same slopes in time.
+  static void join(MidpointTransition& before, MidpointTransition& after, KeyGaps gaps);
 
   Eigen::Index steps() const { return steps_; }
 
  private:
+  using Table = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   void iterate(const EdgeGraph& graph, const FrameAssembler& assembler, const Settings& settings,
                ThreadTeam& team);
+  void sample_outside(double u, ComplexRows& edges, Eigen::Index column) const;
+  double first_slope(const Table& of, Eigen::Index edge) const;
+  double last_slope(const Table& of, Eigen::Index edge) const;
 
   Eigen::Index steps_;
-  ComplexRows edges_;  ///< frames 0..steps_
-  Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> length_, angle_;  ///< of edges_
+  ComplexRows edges_;                                              ///< frames 0..steps_
+  Table length_, angle_;                                           ///< of edges_
+  std::vector<SlopeChange<double>> length_change_, angle_change_;  ///< none unless joined
 };
 
 }  // namespace planar

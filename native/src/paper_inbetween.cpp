@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "checks.h"
 #include "edge_turns.h"
@@ -235,7 +236,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
                                     const EdgeGraph& graph, const InbetweenOptions& options) {
   require_iteration(options);
   require_uniform(times, key_times_of(keys, options));
-  const PartPlacer placer(graph, options.anchor);
+  const Eigen::VectorXi anchor = anchors_of(graph, keys, options)[0];
   Eigen::VectorXd turns = breadth_first_turns(graph, keys[0], keys[1]);
   PartPlacer::Course course{Eigen::VectorXd::Zero(graph.n_parts), Eigen::VectorXd::Zero(graph.n_parts)};
   if (options.anchor_path == AnchorPath::arc) {
@@ -277,10 +278,11 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
     if (options.progress && !options.progress(iteration / (iteration + 4.0))) throw Cancelled();
   }
 
+  const PartPlacer placer(graph, keys[0], keys[1], anchor, std::move(course));
   std::vector<Points> frames{keys[0]};
   for (Eigen::Index k = 1; k < last; ++k) {
     const double u = static_cast<double>(k) / static_cast<double>(last);
-    frames.push_back(placer.place(points, k, keys[0], keys[1], u, course));
+    frames.push_back(placer.place(points, k, u));
   }
   frames.push_back(keys[1]);
   return frames;

@@ -3,9 +3,7 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
 
-#include "checks.h"
 #include "edge_turns.h"
 
 namespace planar {
@@ -14,71 +12,114 @@ using Complex = std::complex<double>;
 
 namespace {
 
+constexpr double straight = 1e-9;  // radians of an arc
+
 Complex mean_of(const std::vector<int>& vertices, const auto& place_of) {
   Complex sum = 0.0;
   for (const int v : vertices) sum += place_of(v);
   return sum / static_cast<double>(vertices.size());
 }
 
+Complex place_in(const Points& x, int v) { return {x(v, 0), x(v, 1)}; }
+
 }  // namespace
 
-PartPlacer::PartPlacer(const EdgeGraph& graph, const Eigen::VectorXi& anchor)
-    : graph_(graph), anchors_(static_cast<std::size_t>(graph.n_parts)) {
+PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points& to,
+                       const Eigen::VectorXi& anchor, Course course)
+    : graph_(graph), parts_(static_cast<std::size_t>(graph.n_parts)) {
   const auto add = [this](int vertex) {
     const int part = graph_.part[static_cast<std::size_t>(vertex)];
-    if (part != -1) anchors_[static_cast<std::size_t>(part)].push_back(vertex);
+    if (part != -1) parts_[static_cast<std::size_t>(part)].anchor.push_back(vertex);
   };
-  for (Eigen::Index i = 0; i < anchor.size(); ++i) {
-    if (anchor[i] < 0 || anchor[i] >= graph.n_vertices) {
-      throw std::invalid_argument(row_of("anchor", i) + "vertex " + std::to_string(anchor[i]) +
-                                  " is out of range, the shape has " + std::to_string(graph.n_vertices) +
-                                  " vertices");
-    }
-    add(anchor[i]);
-  }
+  for (const int vertex : anchor) add(vertex);
   std::vector<char> held;
-  for (const auto& vertices : anchors_) held.push_back(!vertices.empty());
+  for (const Part& part : parts_) held.push_back(!part.anchor.empty());
   for (int v = 0; v < graph.n_vertices; ++v) {
     const int part = graph.part[static_cast<std::size_t>(v)];
-    if (part != -1 && !held[static_cast<std::size_t>(part)]) add(v);
+    if (part == -1) {
+      isolated_.push_back(v);
+      isolated_from_.push_back(place_in(from, v));
+      isolated_way_.push_back(place_in(to, v) - place_in(from, v));
+    } else if (!held[static_cast<std::size_t>(part)]) {
+      add(v);
+    }
+  }
+  isolated_change_.resize(isolated_.size());
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    Part& part = parts_[p];
+    part.from = mean_of(part.anchor, [&from](int v) { return place_in(from, v); });
+    part.to = mean_of(part.anchor, [&to](int v) { return place_in(to, v); });
+    part.turn = course.turns[static_cast<Eigen::Index>(p)];
+    part.arc = course.arc_turns[static_cast<Eigen::Index>(p)];
+    if (std::abs(part.arc) < straight) part.arc = 0.0;
   }
 }
 
-Points PartPlacer::place(const ComplexRows& points, Eigen::Index column, const Points& from, const Points& to,
-                         double u, const Course& course) const {
+Complex PartPlacer::path(const Part& part, double u) {
+  Complex way = u;
+  if (part.arc != 0.0) {
+    // (e^{iv·arc} - 1) / (e^{i·arc} - 1): the share of the way, turned so that it lies on the arc.
+    const double half = part.arc / 2.0, gone = u * half + part.arc_change.at(u) / 2.0;
+    way = std::polar(1.0, gone - half) * (std::sin(gone) / std::sin(half));
+  }
+  return part.from + way * (part.to - part.from) + part.path_change.at(u);
+}
+
+/// At u = 0 or 1, without path_change.
+Complex PartPlacer::path_slope(const Part& part, double u) {
+  if (part.arc == 0.0) return part.to - part.from;
+  const double rate = part.arc + (u > 0.5 ? part.arc_change.last : part.arc_change.first);
+  // d/dv (e^{iv·arc} - 1) / (e^{i·arc} - 1)
+  const double half = part.arc / 2.0;
+  return std::polar(rate / (2.0 * std::sin(half)), part.arc * u - half) * (part.to - part.from);
+}
+
+void PartPlacer::join(PartPlacer& before, PartPlacer& after, KeyGaps gaps) {
+  const auto meet = [gaps](auto slope_before, auto slope_after, auto& change_before, auto& change_after) {
+    const auto slope = slope_through_key(slope_before / gaps.before, slope_after / gaps.after, gaps);
+    change_before.last = slope * gaps.before - slope_before;
+    change_after.first = slope * gaps.after - slope_after;
+  };
+  for (std::size_t p = 0; p < before.parts_.size(); ++p) {
+    Part &a = before.parts_[p], &b = after.parts_[p];
+    meet(a.turn, b.turn, a.turn_change, b.turn_change);
+    meet(a.arc, b.arc, a.arc_change, b.arc_change);
+    if (a.anchor == b.anchor) meet(path_slope(a, 1.0), path_slope(b, 0.0), a.path_change, b.path_change);
+  }
+  for (std::size_t i = 0; i < before.isolated_.size(); ++i) {
+    meet(before.isolated_way_[i], after.isolated_way_[i], before.isolated_change_[i],
+         after.isolated_change_[i]);
+  }
+}
+
+Points PartPlacer::place(const ComplexRows& points, Eigen::Index column, double u) const {
   std::vector<Complex> turn, origin;
-  for (std::size_t p = 0; p < anchors_.size(); ++p) {
-    turn.push_back(std::polar(1.0, u * course.turns[static_cast<Eigen::Index>(p)]));
-    const double half = course.arc_turns[static_cast<Eigen::Index>(p)] / 2.0;
-    // (e^{2iu·half} - 1) / (e^{2i·half} - 1): the share of the way, turned so that it lies on the arc.
-    const Complex way = std::abs(half) < 1e-9
-                            ? Complex(u)
-                            : std::polar(1.0, half * (u - 1.0)) * (std::sin(half * u) / std::sin(half));
-    const Complex start = mean_of(anchors_[p], [&](int v) { return Complex(from(v, 0), from(v, 1)); });
-    const Complex end = mean_of(anchors_[p], [&](int v) { return Complex(to(v, 0), to(v, 1)); });
-    const Complex here = mean_of(anchors_[p], [&](int v) { return points(v, column); });
-    origin.push_back(start + way * (end - start) - turn.back() * here);
+  for (const Part& part : parts_) {
+    turn.push_back(std::polar(1.0, u * part.turn + part.turn_change.at(u)));
+    const Complex here = mean_of(part.anchor, [&](int v) { return points(v, column); });
+    origin.push_back(path(part, u) - turn.back() * here);
   }
   Points result(graph_.n_vertices, 2);
   for (int v = 0; v < graph_.n_vertices; ++v) {
     const int part = graph_.part[static_cast<std::size_t>(v)];
-    if (part == -1) {
-      result.row(v) = (1.0 - u) * from.row(v) + u * to.row(v);
-    } else {
-      const auto p = static_cast<std::size_t>(part);
-      const Complex x = product(turn[p], points(v, column)) + origin[p];
-      result.row(v) << x.real(), x.imag();
-    }
+    if (part == -1) continue;
+    const auto p = static_cast<std::size_t>(part);
+    const Complex x = product(turn[p], points(v, column)) + origin[p];
+    result.row(v) << x.real(), x.imag();
+  }
+  for (std::size_t i = 0; i < isolated_.size(); ++i) {
+    const Complex x = isolated_from_[i] + u * isolated_way_[i] + isolated_change_[i].at(u);
+    result.row(isolated_[i]) << x.real(), x.imag();
   }
   return result;
 }
 
 void PartPlacer::hold_anchors(const Points& placed, Points& x) const {
   std::vector<Eigen::RowVector2d> shift;
-  for (const auto& anchor : anchors_) {
+  for (const Part& part : parts_) {
     Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
-    for (const int v : anchor) sum += placed.row(v) - x.row(v);
-    shift.emplace_back(sum / static_cast<double>(anchor.size()));
+    for (const int v : part.anchor) sum += placed.row(v) - x.row(v);
+    shift.emplace_back(sum / static_cast<double>(part.anchor.size()));
   }
   for (int v = 0; v < graph_.n_vertices; ++v) {
     const int part = graph_.part[static_cast<std::size_t>(v)];

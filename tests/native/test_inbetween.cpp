@@ -277,7 +277,7 @@ TEST(Inbetween, AnchorsKeepToTheirPath) {
   const Shape shape = grid(5);
   const Points end = 1.2 * rigid_motion(shape.vertices, 1.2, 4.0, 1.0);
   InbetweenOptions options;
-  options.anchor = Eigen::Vector2i(3, 7);
+  options.anchors = {Eigen::Vector2i(3, 7)};
   const Points half =
       inbetween({shape.vertices, end}, Eigen::VectorXd::Constant(1, 0.5), shape.triangles, options)[0];
   const Eigen::RowVector2d start_at = (shape.vertices.row(3) + shape.vertices.row(7)) / 2.0,
@@ -322,7 +322,7 @@ TEST(Inbetween, RefusesWhatItCannotDo) {
   options.turns = Eigen::MatrixXi::Zero(1, 2);
   EXPECT_REFUSAL(call({x, x}, options), "turns has 2 columns");
   options = {};
-  options.anchor = Eigen::VectorXi::Constant(1, 9);
+  options.anchors = {Eigen::VectorXi::Constant(1, 9)};
   EXPECT_REFUSAL(call({x, x}, options), "anchor, row 0");
   options = {};
   options.tolerance = 0.0;

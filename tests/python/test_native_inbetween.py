@@ -72,6 +72,38 @@ def test_turns_anchors_and_edges():
     assert length.max() < 1.3 * 0.05
 
 
+def test_smooth_motions_have_one_velocity_at_a_key():
+    keys = [REST, rolled(REST, 1.0), rolled(REST, 4.0)]
+    jumps = []
+    for smooth in (True, False):
+        motion = planar_native.Inbetweens(keys, triangles=TRIANGLES, key_times=[0, 1, 5], smooth=smooth)
+        before, key, after = motion.at([1 - 1e-5, 1, 1 + 1e-5])
+        assert np.array_equal(key, keys[1])
+        jumps.append(np.abs((after - key) - (key - before)).max() / np.abs(after - before).max())
+    assert jumps[0] < 1e-3 < 0.1 < jumps[1]
+
+
+def test_each_transition_can_have_its_own_anchor():
+    keys = [REST, rolled(REST, 1.0) + [1, 0], rolled(REST, 4.0)]
+    for anchor in ([[3, 5], None], [np.array([3, 5]), []]):
+        frames = planar_native.inbetween(keys, [0.5, 1.5], triangles=TRIANGLES, anchor=anchor)
+        middle = (keys[0] + keys[1]) / 2
+        assert np.allclose(frames[0][[3, 5]].mean(axis=0), middle[[3, 5]].mean(axis=0), atol=1e-12)
+        centre = (keys[1] + keys[2]).mean(axis=0) / 2
+        assert np.allclose(frames[1].mean(axis=0), centre, atol=1e-12)
+
+
+def test_overshoot_goes_beyond_the_keys():
+    motion = planar_native.Inbetweens(KEYS, triangles=TRIANGLES)
+    before, at, after = motion.at([1 - 1e-5, 1, 1 + 1e-5], overshoot=True)
+    assert np.abs((after - at) - (at - before)).max() < 1e-8
+    assert np.isfinite(motion.at([-1, 2], overshoot=True)).all()
+    with pytest.raises(ValueError, match="times, row 0"):
+        motion.at([1.1])
+    with pytest.raises(ValueError, match="times, row 1"):
+        motion.at([1.1, 2.1], overshoot=True)
+
+
 def test_transfer_and_editing():
     frames = planar_native.inbetween(KEYS, np.linspace(0, 1, 7), triangles=TRIANGLES)
     assert np.abs(planar_native.transfer_motion(frames, REST, triangles=TRIANGLES) - frames).max() < 1e-9
@@ -112,6 +144,10 @@ def test_progress_can_cancel_and_fail():
         ({"turns": 1000}, "turns"),
         ({"method": "best"}, "method: 'best'"),
         ({"anchor": [100]}, "anchor, row 0"),
+        ({"anchor": [[1], [100]]}, "anchor: 2 sets"),
+        ({"anchor": [[100]]}, "anchor, row 0"),
+        ({"anchor": [0.5]}, "anchor"),
+        ({"anchor": 3}, "anchor"),
         ({"anchor_path": "spiral"}, "anchor_path"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"max_iterations": 0}, "max_iterations"),

@@ -29,6 +29,12 @@ enum class AnchorPath {
   arc,       ///< anchors move on the circular arcs of their part's rigid motion
 };
 
+/// What becomes of times outside of the keys'.
+enum class Outside {
+  refuse,
+  extrapolate,  ///< up to as far as the outermost two keys are apart; beyond it is refused
+};
+
 struct InbetweenOptions {
   InbetweenMethod method = InbetweenMethod::midpoint;
 
@@ -43,9 +49,14 @@ struct InbetweenOptions {
   /// all parts; empty: none. Parts are numbered in order of their first vertices, isolated vertices left out.
   Eigen::MatrixXi turns{};
 
-  /// Vertices whose mean, part by part, moves on the path. Parts without any are held at their centroid.
-  Eigen::VectorXi anchor{};
+  /// Vertices whose mean, part by part, moves on the path: one set for all transitions, or K-1 sets. Parts
+  /// without any are held at their centroid.
+  std::vector<Eigen::VectorXi> anchors{};
   AnchorPath anchor_path = AnchorPath::straight;
+
+  /// Velocities are continuous at the keys, too (midpoint only). What is between two keys then depends on the
+  /// two next to them as well, and on the times.
+  bool smooth = false;
 
   /// (11): a solution has converged when no vertex moves by more than this share of the box diagonal.
   double tolerance = 5e-4;
@@ -84,7 +95,12 @@ struct InbetweenOptions {
 /// the transition is tracked: its frames minimise w |x - y|² to the frame y as it was, plus the symmetric
 /// Dirichlet energies with respect to the two keys, blended, each starting from its neighbour.
 ///
-/// 6. Translation, which the paper leaves out: an anchor of each part moves on a path. Isolated vertices move
+/// 6. If smooth, lengths and angles of edges, turns of parts and places of anchors meet a key between others
+/// with the same slope from both sides: each its harmonic mean, so that what rests or turns back at a key
+/// does so without overshoot. Cubics that are 0 at the keys are added for it. A part whose anchor is another
+/// one behind the key turns and bends smoothly, but its anchors keep to their own paths.
+///
+/// 7. Translation, which the paper leaves out: an anchor of each part moves on a path. Isolated vertices move
 /// straight.
 class Inbetweens {
  public:
@@ -109,11 +125,12 @@ class Inbetweens {
   ~Inbetweens();
 
   /// The shape (n×2) at a time from the first key's to the last one's; at a key's time that key, to the bit.
-  /// \throw std::invalid_argument outside of the keys' times
-  Points at(double time) const;
+  /// Outside of them the outermost transitions go on with the velocities that they have there.
+  /// \throw std::invalid_argument outside of the keys' times, see Outside
+  Points at(double time, Outside outside = Outside::refuse) const;
 
   /// The shapes at several times in any order; each is what at(time) gives.
-  std::vector<Points> at(const Eigen::VectorXd& times) const;
+  std::vector<Points> at(const Eigen::VectorXd& times, Outside outside = Outside::refuse) const;
 
  private:
   struct State;

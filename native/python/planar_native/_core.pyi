@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, final
 
 from numpy import bool_, float64
@@ -86,8 +86,9 @@ def inbetween(
     rest: ArrayLike | None = None,
     turns: ArrayLike | None = None,
     method: Literal["midpoint", "paper", "global"] = "midpoint",
-    anchor: ArrayLike | None = None,
+    anchor: ArrayLike | Sequence[ArrayLike | None] | None = None,
     anchor_path: Literal["straight", "arc"] = "straight",
+    smooth: bool = False,
     tolerance: float = 5e-4,
     max_iterations: int = 100,
     threads: int = 0,
@@ -104,14 +105,15 @@ class Inbetweens:
         key_times: ArrayLike | None = None,
         rest: ArrayLike | None = None,
         turns: ArrayLike | None = None,
-        anchor: ArrayLike | None = None,
+        anchor: ArrayLike | Sequence[ArrayLike | None] | None = None,
         anchor_path: Literal["straight", "arc"] = "straight",
+        smooth: bool = False,
         tolerance: float = 5e-4,
         max_iterations: int = 100,
         threads: int = 0,
         progress: Callable[[float], bool | None] | None = None,
     ) -> None: ...
-    def at(self, times: ArrayLike) -> NDArray[float64]: ...
+    def at(self, times: ArrayLike, *, overshoot: bool = False) -> NDArray[float64]: ...
 
 def transfer_motion(
     frames: ArrayLike,

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <complex>
+
+namespace planar {
+
+/// What is added to a quantity on its way from one key (u = 0) to the next (u = 1) so that it meets them with
+/// other slopes: a cubic that is 0 at both. Outside of them it goes on straight.
+template <typename Value>
+struct SlopeChange {
+  Value first{}, last{};  ///< of the slopes, per u
+
+  Value at(double u) const {
+    if (u <= 0.0) return u * first;
+    if (u >= 1.0) return (u - 1.0) * last;
+    return u * (1.0 - u) * ((1.0 - u) * first - u * last);
+  }
+};
+
+/// Time from the key before to a key, and on to the next one.
+struct KeyGaps {
+  double before, after;
+};
+
+/// The slope of a quantity through a key that it comes to with slope a and would leave with slope b, both per
+/// unit of time: a weighted harmonic mean, 0 where the signs differ. It is at most three times the lesser of
+/// the two, so that what rests or turns back at the key does so without overshoot (Fritsch and Butland 1984).
+double slope_through_key(double a, double b, KeyGaps gaps);
+
+/// The same for places: the mean of the two directions at the mean of the speeds.
+std::complex<double> slope_through_key(std::complex<double> a, std::complex<double> b, KeyGaps gaps);
+
+}  // namespace planar
