@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps pins matched to the vertex groups while the user renames, removes or edits things."""
+"""What follows the user: pins their vertex groups, the active pose the frame."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..model import solver_cache
+from . import sequence
 from .pins import sync
 
 CLASSES = ()
@@ -26,9 +27,33 @@ def follow_edits(scene, depsgraph):
 
 
 @persistent
+def activate_shown_pose(scene, depsgraph):
+    """After the frame has changed: the pose keyed there becomes the active one, which Edit Mode edits.
+
+    Not while frames pass by, in playback and in renders.
+    """
+    context = bpy.context
+    if depsgraph.mode != "VIEWPORT" or context.scene != scene:
+        return
+    if any(window.screen.is_animation_playing for window in context.window_manager.windows):
+        return
+    obj = context.view_layer.objects.active
+    if obj is None or obj.type not in {"MESH", "CURVE"} or obj.mode != "OBJECT" or not sequence.is_ours(obj):
+        return
+    if obj.library is None and obj.data.library is None:
+        pose = sequence.pose_at(obj, scene.frame_current_final)
+        if pose is not None and pose != obj.planar.active_pose:
+            sequence.activate(obj, pose)
+
+
+@persistent
 def forget_solvers(*_):
     """Another file: its objects are others, whatever their identities."""
     solver_cache.clear()
 
 
-HANDLERS = {"depsgraph_update_post": follow_edits, "load_pre": forget_solvers}
+HANDLERS = {
+    "depsgraph_update_post": follow_edits,
+    "frame_change_post": activate_shown_pose,
+    "load_pre": forget_solvers,
+}
