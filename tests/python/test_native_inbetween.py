@@ -84,8 +84,8 @@ def test_smooth_motions_have_one_velocity_at_a_key():
 
 
 def test_each_transition_can_have_its_own_anchor():
-    keys = [REST, rolled(REST, 1.0) + [1, 0], rolled(REST, 4.0)]
-    for anchor in ([[3, 5], None], [np.array([3, 5]), []]):
+    keys = [REST, rolled(REST, 1.0) + np.array([1, 0]), rolled(REST, 4.0)]
+    for anchor in ([[3, 5], None], [np.array([3, 5]), np.empty(0, int)]):
         frames = planar_native.inbetween(keys, [0.5, 1.5], triangles=TRIANGLES, anchor=anchor)
         middle = (keys[0] + keys[1]) / 2
         assert np.allclose(frames[0][[3, 5]].mean(axis=0), middle[[3, 5]].mean(axis=0), atol=1e-12)
