@@ -25,15 +25,38 @@ def curves_of(animation: bpy.types.AnimData | None) -> bpy.types.bpy_prop_collec
     return None
 
 
+def new_action(owner: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collection:
+    """Animate a data-block by a new action, empty so far; its F-curves, to which some can be added."""
+    animation = owner.animation_data_create()
+    action = bpy.data.actions.new(name)
+    animation.action = action
+    if not hasattr(animation, "action_slot"):
+        return action.fcurves
+    slot = action.slots.new(owner.id_type, owner.name)
+    animation.action_slot = slot
+    strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+    return strip.channelbag(slot, ensure=True).fcurves
+
+
 def make_single_user(animation: bpy.types.AnimData) -> None:
     """Give the data-block its own copy of its action if others use that, too."""
     action = animation.action
     if action.users - action.use_fake_user <= 1:
         return
-    slot = animation.action_slot.identifier if hasattr(animation, "action_slot") else None
-    animation.action = action.copy()
+    assign_action(animation, action.copy(), slot_of(animation))
+
+
+def slot_of(animation: bpy.types.AnimData | None) -> str | None:
+    """The identifier of the slot that a data-block uses in its action, from 4.4."""
+    slot = getattr(animation, "action_slot", None)
+    return None if slot is None else slot.identifier
+
+
+def assign_action(animation: bpy.types.AnimData, action: bpy.types.Action, slot: str | None) -> None:
+    """Give a data-block an action, and of it the slot of this identifier."""
+    animation.action = action
     if slot is not None:
-        animation.action_slot = animation.action.slots[slot]
+        animation.action_slot = action.slots[slot]
 
 
 def brush_weight_owner(tools: bpy.types.ToolSettings) -> bpy.types.bpy_struct | None:

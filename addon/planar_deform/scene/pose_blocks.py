@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from . import compat, points
+from .errors import Refusal
 
 # Places of blocks: what eval_time has to be to show them. Blender keeps a place divided by 100 in float32,
 # and puts a new block at eval_time unless one is within 0.1 of that, or unless it is 10 above the last block.
@@ -14,6 +15,7 @@ FIRST = 1024.0
 SPACING = 8.0
 HOLD = 500_000.0
 SCRATCH = 1_000_000.0
+STILL = 1_040_000.0  # eval_time goes to 1 048 574
 SAME_PLACE = 0.05
 SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
 
@@ -62,6 +64,27 @@ def played(keys: bpy.types.Key) -> list[bpy.types.ShapeKey]:
 def points_of(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
     """The shape that a block holds, see scene/points.py. Raises Refusal."""
     return points.read_block(obj, block)
+
+
+def blended(obj: bpy.types.Object, time: float) -> np.ndarray:
+    """The shape that a value of eval_time shows, as Blender evaluates absolute keys.
+
+    Raises Refusal between blocks that are not interpolated linearly.
+    """
+    keys = obj.data.shape_keys
+    at = places(keys)
+    upper = int(np.searchsorted(at, time - SAME_PLACE))
+    if upper == len(at) or upper == 0 or abs(at[upper] - time) < SAME_PLACE:
+        return points_of(obj, keys.key_blocks[min(upper, len(at) - 1)])
+    pair = keys.key_blocks[upper - 1], keys.key_blocks[upper]
+    for block in pair:
+        if block.interpolation != "KEY_LINEAR":
+            raise Refusal(
+                f"Shape key '{block.name}' is not interpolated linearly: choose Linear in its panel"
+            )
+    share = np.float32((time - at[upper - 1]) / (at[upper] - at[upper - 1]))
+    low, high = (points_of(obj, block) for block in pair)
+    return low * (np.float32(1.0) - share) + high * share
 
 
 def shown_curve(keys: bpy.types.Key | None) -> bpy.types.FCurve | None:

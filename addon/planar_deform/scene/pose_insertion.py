@@ -4,143 +4,149 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 
 import bpy
 import numpy as np
 
 from ..model.frame import Array
-from .pose_blocks import (
-    FIRST,
-    SAME_FRAME,
-    SAME_PLACE,
-    SPACING,
-    add,
-    keyed,
-    own_curve,
-    played,
-    points_of,
-)
+from . import pose_curve
+from .playback import Block, blocks_of, follow, places_of, relay
+from .pose_blocks import SAME_FRAME, SAME_PLACE, keyed
 from .shape_keys import POSE_KEY
 
 
-@dataclass(eq=False)
-class _Block:
-    """A block of the played range while the sequence is put together."""
+def insert(
+    obj: bpy.types.Object, shapes: Mapping[float, np.ndarray], *, throughout: bool = False
+) -> Iterator[float]:
+    """Key a pose for each shape (by frame; see scene/points.py), step by step as playback.relay().
 
-    name: str
-    listed: bool  # a keyed pose
-    points: np.ndarray | None  # its shape; None: as in the file, where it may stay
-    place: float  # where it is, or will be
-    frame: float | None = None  # of a new one: where it is keyed
-    before: float | None = None  # where one that was there already was
-
-
-def insert(obj: bpy.types.Object, shapes: Mapping[float, np.ndarray]) -> None:
-    """Key a new pose for each shape (by frame; see scene/points.py).
-
-    Each comes after the block that the curve shows before its frame. A block cannot be moved: those behind
-    the first new one are taken out and added again, and the curve's values follow.
+    A pose that is keyed at such a frame, and nowhere else, gets the shape. Every other one comes after what
+    the curve shows before its frame, in the place of the generated shape if one is shown there exactly.
+    `throughout`: keys between the frames go away, with what only they show and what is generated there.
     """
     keys = obj.data.shape_keys
-    blocks = _in_order(obj, shapes)
-    first = next(index for index, block in enumerate(blocks) if block.frame is not None)
-    behind = [block for block in blocks[first:] if block.frame is None]
-    for block in behind:
-        block.points = points_of(obj, keys.key_blocks[block.name])
-    for block in behind:
-        obj.shape_key_remove(keys.key_blocks[block.name])
-    for index in range(first, len(blocks)):
-        block = blocks[index]
-        block.place = blocks[index - 1].place + SPACING if index else FIRST
-        block.name = add(obj, block.name, block.place, block.points).name
-    old = [block for block in blocks if block.before is not None]
-    if behind:
-        _follow(keys, np.array([block.before for block in old]), np.array([block.place for block in old]))
-    _list(obj, [block for block in blocks if block.listed])
-    _key(obj, {block.frame: block.place for block in blocks if block.frame is not None})
-
-
-def _in_order(obj: bpy.types.Object, shapes: Mapping[float, np.ndarray]) -> list[_Block]:
-    """All blocks of the played range, the new ones among them."""
-    keys = obj.data.shape_keys
-    listed = {round(pose.at) for pose in obj.planar.poses}
-    blocks = []
-    for block in played(keys):
-        place = float(round(block.frame))
-        blocks.append(_Block(block.name, place in listed, None, place, before=place))
-    taken = {block.name for block in keys.key_blocks}
     timeline = keyed(keys)
-    latest: _Block | None = None
+    blocks = blocks_of(obj)
+    removed = np.zeros(len(timeline), bool)
+    if throughout:
+        removed = _between(timeline, sorted(shapes))
+        blocks = _without(keys, blocks, timeline, removed, sorted(shapes))
+        timeline = timeline[~removed]
+    new: dict[float, Block] = {}
+    latest: float | None = None
     for frame in sorted(shapes):
-        new = _Block(_free_name(taken), True, shapes[frame], np.inf, frame=frame)
-        earlier = timeline[timeline[:, 0] < frame]
-        if latest is not None and not (len(earlier) and earlier[-1, 0] > latest.frame):
-            index = blocks.index(latest) + 1
-        elif len(earlier):
-            shown = earlier[-1, 1] + SAME_PLACE
-            index = 1 + max((i for i, block in enumerate(blocks) if block.place <= shown), default=-1)
-        else:
-            index = 0
-        blocks.insert(index, new)
-        latest = new
-    return blocks
+        block = _keyed_only_there(blocks, timeline, frame)
+        if block is not None:
+            block.shape = shapes[frame]
+            continue
+        earlier = timeline[timeline[:, 0] < frame - SAME_FRAME]
+        follows_new = latest is not None and not (len(earlier) and earlier[-1, 0] > latest)
+        behind = new[latest] if follows_new else _shown(blocks, earlier)
+        new[frame] = _put_in(keys, blocks, behind, frame, has_earlier=len(earlier) > 0)
+        new[frame].shape = shapes[frame]
+        latest = frame
+    _name(keys, new)
+    at = places_of(blocks).tolist()
+    keyed_at = {frame: at[blocks.index(block)] for frame, block in new.items()}
+
+    def then(obj: bpy.types.Object, old: Array, places: Array) -> None:
+        pose_curve.remove_keys(obj.data.shape_keys, removed)
+        follow(obj, old, places)
+        if keyed_at:
+            pose_curve.key(obj, keyed_at)
+
+    return relay(obj, blocks, then)
 
 
-def _free_name(taken: set[str]) -> str:
-    """A name like those that Blender gives, which is taken from now on."""
-    numbered = (f"{POSE_KEY}.{number:03}" for number in itertools.count(1))
-    name = next(name for name in itertools.chain([POSE_KEY], numbered) if name not in taken)
-    taken.add(name)
-    return name
+def _between(timeline: np.ndarray, frames: list[float]) -> np.ndarray:
+    """The keys from the first to the last of the frames but those at them."""
+    at = timeline[:, 0]
+    kept = (np.abs(at[:, None] - np.array(frames)) < SAME_FRAME).any(axis=1)
+    return np.asarray((at > frames[0]) & (at < frames[-1]) & ~kept)
 
 
-def _follow(keys: bpy.types.Key, old: Array, new: Array) -> None:
-    """Take the values of the curve from where blocks were to where they are; between blocks in proportion.
+def _without(
+    keys: bpy.types.Key, blocks: list[Block], timeline: np.ndarray, removed: np.ndarray, frames: list[float]
+) -> list[Block]:
+    """The blocks without the poses that only the removed keys show, and without what is generated there."""
 
-    The keys that are inserted next update the curve. Doing it here would also mark all animation as changed,
-    and the unkeyed pose that has just been keyed would be lost when that is undone.
-    """
-    curve = own_curve(keys)
-    if curve is None:
-        return
-    points = curve.keyframe_points
-    for field in ("co", "handle_left", "handle_right"):
-        values = np.empty(len(points) * 2, np.float32)
-        points.foreach_get(field, values)
-        values[1::2] = _moved(values[1::2].astype(np.float64), old, new)
-        points.foreach_set(field, values)
+    def shown(block: Block, rows: np.ndarray) -> bool:
+        return bool((np.abs(rows[:, 1] - block.source) < SAME_PLACE).any())
 
-
-def _moved(values: Array, old: Array, new: Array) -> Array:
-    outside = np.minimum(values - old[0], 0.0) + np.maximum(values - old[-1], 0.0)
-    result: Array = np.interp(values, old, new) + outside
-    return result
-
-
-def _list(obj: bpy.types.Object, blocks: list[_Block]) -> None:
-    poses = obj.planar.poses
-    poses.clear()
+    low = high = 0.0
+    if len(timeline) and any(block.sample for block in blocks):
+        low, high = (pose_curve.value_at(keys, frame) for frame in (frames[0], frames[-1]))
+    result = []
     for block in blocks:
-        pose = poses.add()
-        pose.at, pose.name = block.place, block.name
+        if block.sample:
+            gone = low < block.source < high
+        else:
+            gone = block.pose is not None and shown(block, timeline[removed])
+            gone = gone and not shown(block, timeline[~removed])
+        if not gone:
+            result.append(block)
+        elif not block.sample:
+            block.free = 0
+    return close_up(result)
 
 
-def _key(obj: bpy.types.Object, at: Mapping[float, float]) -> None:
-    """Key a place at each frame; what keys there were keep their easing, new ones are linear."""
-    keys = obj.data.shape_keys
-    own_curve(keys)
-    before = keyed(keys)[:, 0]
-    for frame, place in at.items():
-        keys.eval_time = place
-        keys.keyframe_insert("eval_time", frame=frame)
-    if not len(before):
-        keys.animation_data.action.name = f"{obj.name} Poses"
-    points = own_curve(keys).keyframe_points
-    frames = keyed(keys)[:, 0]
-    new = ~(np.abs(frames[:, None] - before[None, :]) < SAME_FRAME).any(axis=1)
-    easing = np.empty(len(points), np.int32)
-    points.foreach_get("interpolation", easing)
-    easing[new] = points[0].bl_rna.properties["interpolation"].enum_items["LINEAR"].value
-    points.foreach_set("interpolation", easing)
+def close_up(blocks: list[Block]) -> list[Block]:
+    """These blocks as a sequence: nothing generated before the first pose or behind the last one."""
+    others = [index for index, block in enumerate(blocks) if not block.sample]
+    kept = blocks[others[0] : others[-1] + 1] if others else []
+    if kept:
+        kept[0].free = 0
+    return kept
+
+
+def _keyed_only_there(blocks: list[Block], timeline: np.ndarray, frame: float) -> Block | None:
+    """The pose that is keyed at this frame and at no other."""
+    values = timeline[np.abs(timeline[:, 0] - frame) < SAME_FRAME, 1]
+    for block in blocks:
+        if block.pose is None or block.source is None or not (np.abs(values - block.source) < SAME_PLACE).any():
+            continue
+        if (np.abs(timeline[:, 1] - block.source) < SAME_PLACE).sum() == 1:
+            return block
+    return None
+
+
+def _shown(blocks: list[Block], earlier: np.ndarray) -> Block | None:
+    """The last block that is not behind what the last of these keys shows."""
+    if not len(earlier):
+        return None
+    shown = earlier[-1, 1] + SAME_PLACE
+    passed = [block for block in blocks if block.source is not None and block.source <= shown]
+    return passed[-1] if passed else None
+
+
+def _put_in(
+    keys: bpy.types.Key, blocks: list[Block], behind: Block | None, frame: float, *, has_earlier: bool
+) -> Block:
+    """Put a new pose in behind a block (None: first), and behind what is generated and shown before it."""
+    index = 0 if behind is None else blocks.index(behind) + 1
+    new = Block("", pose={})
+    if has_earlier and index < len(blocks) and blocks[index].sample:
+        value = pose_curve.value_at(keys, frame)
+        while index < len(blocks) and blocks[index].sample and blocks[index].source < value - SAME_PLACE:
+            index += 1
+        if index < len(blocks) and blocks[index].sample and blocks[index].source < value + SAME_PLACE:
+            new.free = blocks[index].free
+            blocks[index] = new
+            return new
+    blocks.insert(index, new)
+    if index == 0 and len(blocks) > 1:
+        blocks[1].free = 0
+    return new
+
+
+def _name(keys: bpy.types.Key, new: Mapping[float, Block]) -> None:
+    """Names like those that Blender gives."""
+    taken = {block.name for block in keys.key_blocks}
+    free = (
+        name
+        for name in itertools.chain([POSE_KEY], (f"{POSE_KEY}.{number:03}" for number in itertools.count(1)))
+        if name not in taken
+    )
+    for frame in sorted(new):
+        new[frame].name = next(free)

@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from .pose_blocks import block_at
+from .pose_blocks import FIRST, block_at
 
 KINDS = (
     ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
@@ -59,6 +59,8 @@ class PlanarPin(bpy.types.PropertyGroup):
 
 
 def _rename_block(pose: PlanarPose, _context: bpy.types.Context) -> None:
+    if pose.at < FIRST:
+        return  # the list is being put together
     block = block_at(pose.id_data.data.shape_keys, pose.at)
     if block is not None and block.name != pose.name:
         block.name = pose.name
@@ -69,6 +71,24 @@ class PlanarPose(bpy.types.PropertyGroup):
 
     name: StringProperty(name="Name", description="Name of the pose and its shape key", update=_rename_block)
     at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see scene/sequence.py
+    # Of the way to the next pose, see scene/inbetweens.py.
+    generated: IntProperty(options={"HIDDEN"})  # places of generated shapes
+    stamp: StringProperty(options={"HIDDEN"})  # what they were made from
+    edited: BoolProperty(options={"HIDDEN"})  # whether they have been changed since
+    turns: IntProperty(
+        name="Extra Turns",
+        description=(
+            "Whole counter-clockwise turns that the drawing makes on its way to the next pose, beside the "
+            "shortest way; negative: clockwise"
+        ),
+        min=-100,
+        max=100,
+        soft_min=-3,
+        soft_max=3,
+    )
+    copy_of: StringProperty(options={"HIDDEN"})  # the pose that it repeats at a later time
+    copied: StringProperty(options={"HIDDEN"})  # stamp of that when it was copied
+    order_before: IntProperty(options={"HIDDEN"})  # from 1: among the poses before they were put in order
 
 
 class PlanarSettings(bpy.types.PropertyGroup):
@@ -133,6 +153,8 @@ class PlanarSettings(bpy.types.PropertyGroup):
     )
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
+    # The curve's values before in-betweens were generated, see model/played_curve.py.
+    curve_before: StringProperty(options={"HIDDEN"})
 
 
 CLASSES = (PlanarPin, PlanarPose, PlanarSettings)

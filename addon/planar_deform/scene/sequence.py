@@ -28,14 +28,14 @@ refused.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..model.frame import Array
-from . import compat, points, pose_insertion
+from . import compat, playback, points, pose_curve, pose_insertion
 from .errors import Refusal
 from .pose_blocks import (
     FIRST,
@@ -44,9 +44,9 @@ from .pose_blocks import (
     SAME_PLACE,
     SCRATCH,
     add,
+    blended,
     block_at,
     keyed,
-    own_curve,
     places,
     played,
     points_of,
@@ -141,25 +141,15 @@ def pose_at(obj: bpy.types.Object, frame: float) -> int | None:
 
 
 def shown_points(obj: bpy.types.Object) -> np.ndarray:
-    """The shape that is shown at present, see scene/points.py: as Blender evaluates absolute keys.
+    """The shape that is shown at present, see scene/points.py. Raises Refusal as pose_blocks.blended()."""
+    return blended(obj, obj.data.shape_keys.eval_time)
 
-    Raises Refusal between blocks that are not interpolated linearly.
-    """
+
+def shape_at(obj: bpy.types.Object, frame: float) -> np.ndarray:
+    """The shape that the sequence shows at any frame, see scene/points.py. Raises Refusal as blended()."""
     keys = obj.data.shape_keys
-    at = places(keys)
-    time = keys.eval_time
-    upper = int(np.searchsorted(at, time - SAME_PLACE))
-    if upper == len(at) or upper == 0 or abs(at[upper] - time) < SAME_PLACE:
-        return points_of(obj, keys.key_blocks[min(upper, len(at) - 1)])
-    pair = keys.key_blocks[upper - 1], keys.key_blocks[upper]
-    for block in pair:
-        if block.interpolation != "KEY_LINEAR":
-            raise Refusal(
-                f"Shape key '{block.name}' is not interpolated linearly: choose Linear in its panel"
-            )
-    share = np.float32((time - at[upper - 1]) / (at[upper] - at[upper - 1]))
-    low, high = (points_of(obj, block) for block in pair)
-    return low * (np.float32(1.0) - share) + high * share
+    curve = shown_curve(keys)
+    return blended(obj, keys.eval_time if curve is None else curve.evaluate(frame))
 
 
 def unkeyed(obj: bpy.types.Object) -> bool:
@@ -181,38 +171,47 @@ def keyed_pose_shown(obj: bpy.types.Object, frame: float) -> bpy.types.ShapeKey 
 
 
 def put(scene: SceneShape, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
-    """Key poses: n x 2 positions of the cutout by frame. `throughout`: keys between those frames go away.
+    """Key poses: n x 2 positions of the cutout by frame, as put_coordinates() does it.
 
-    A frame at which a pose is keyed gets the new one in its place, with its easing; the object's sequence is
-    begun if it has none. `scene` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
+    `scene` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
     """
     obj = scene.resolve()
+    coordinates = {frame: scene.coordinates(positions) for frame, positions in shapes.items()}
+    playback.run(put_coordinates(obj, coordinates, scene.rest_coordinates(), throughout=throughout))
+
+
+def put_coordinates(
+    obj: bpy.types.Object,
+    shapes: Mapping[float, np.ndarray],
+    rest: np.ndarray | None = None,
+    *,
+    throughout: bool = False,
+) -> Iterator[float]:
+    """Key a pose for each shape (by frame; see scene/points.py), step by step; yields the share that is done.
+
+    A frame at which a pose is keyed gets the new one in its place, with its easing; the object's sequence is
+    begun, with the shape `rest`, if it has none. `throughout`: keys between the frames go away, with what
+    only they show and what is generated there. Closed before its end, everything is back to the bit. Raises
+    Refusal, with nothing changed.
+    """
     reason = refusal(obj)
     if reason is not None:
         raise Refusal(reason)
-    coordinates = {float(frame): scene.coordinates(positions) for frame, positions in shapes.items()}
-    if is_ours(obj):
-        _drop_lost_poses(obj)
-        drop_scratch(obj)
-    else:
-        _begin(obj, scene.rest_coordinates())
-    if throughout:
-        _unkey_between(obj, sorted(coordinates))
-    new: dict[float, np.ndarray] = {}
-    for frame, shape in coordinates.items():
-        pose = pose_at(obj, frame)
-        # A pose that is shown at other frames, too, stays as it is there.
-        if pose is not None and len(frames_of(obj, pose)) == 1:
-            block = block_at(obj.data.shape_keys, obj.planar.poses[pose].at)
-            points.write_block(block, shape)
-        else:
-            new[frame] = shape
-    if new:
-        pose_insertion.insert(obj, new)
-    latest = pose_at(obj, max(coordinates))
+    begun = not is_ours(obj)
+    if begun:
+        begin_sequence(obj, rest)
+    frames = {float(frame): shape for frame, shape in shapes.items()}
+    try:
+        yield from pose_insertion.insert(obj, frames, throughout=throughout)
+    except BaseException:
+        if begun:
+            end_sequence(obj)
+        raise
+    drop_scratch(obj)
+    latest = pose_at(obj, max(frames))
     if latest is not None:
         activate(obj, latest)
-    _show_frame(obj)
+    show_frame(obj)
 
 
 def activate(obj: bpy.types.Object, pose: int) -> None:
@@ -225,40 +224,56 @@ def activate(obj: bpy.types.Object, pose: int) -> None:
 
 
 def remove(obj: bpy.types.Object, pose: int) -> None:
-    """Take a pose out of the sequence, and its keys; with the last one the sequence ends."""
+    """Take a pose out of the sequence, and its keys; with the last one the sequence ends.
+
+    What is generated before and behind it stays, and is stale, but not at the ends of the sequence.
+    """
     if len(obj.planar.poses) == 1:
         clear(obj)
         return
+    place = obj.planar.poses[pose].at
+
+    def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
+        keys = obj.data.shape_keys
+        pose_curve.remove_keys(keys, np.abs(keyed(keys)[:, 1] - place) < SAME_PLACE)
+        playback.follow(obj, old, new)
+
+    blocks = [block for block in playback.blocks_of(obj) if block.source != place]
+    playback.run(playback.relay(obj, pose_insertion.close_up(blocks), then))
     drop_scratch(obj)
-    keys = obj.data.shape_keys
-    _remove_keys(keys, np.abs(keyed(keys)[:, 1] - obj.planar.poses[pose].at) < SAME_PLACE)
-    _remove_pose(obj, pose)
     activate(obj, max(0, min(obj.planar.active_pose, len(obj.planar.poses) - 1)))
-    _show_frame(obj)
+    show_frame(obj)
 
 
 def clear(obj: bpy.types.Object) -> None:
     """End the sequence: everything is as it was before it was begun, to the bit."""
     settings = obj.planar
     if is_ours(obj):
-        keys = obj.data.shape_keys
-        action = None if keys.animation_data is None else keys.animation_data.action
-        keys.animation_data_clear()
-        if action is not None and not action.users:
-            bpy.data.actions.remove(action)
-        for name in [block.name for block in keys.key_blocks if block.frame > FIRST - SAME_PLACE]:
-            obj.shape_key_remove(keys.key_blocks[name])
-        keys.eval_time = 0.0
-        if settings.key_before < 0:
-            shape = points_of(obj, keys.key_blocks[-1])
-            obj.shape_key_clear()
-            points.write(obj, shape)
-        else:
-            keys.use_relative = True
-            obj.active_shape_key_index = settings.key_before
-        points.update(obj)
+        end_sequence(obj)
     settings.poses.clear()
     settings.active_pose = 0
+    settings.curve_before = ""
+
+
+def end_sequence(obj: bpy.types.Object) -> None:
+    """Take all blocks away, and their curve."""
+    settings = obj.planar
+    keys = obj.data.shape_keys
+    action = None if keys.animation_data is None else keys.animation_data.action
+    keys.animation_data_clear()
+    if action is not None and not action.users:
+        bpy.data.actions.remove(action)
+    for name in [block.name for block in keys.key_blocks if block.frame > FIRST - SAME_PLACE]:
+        obj.shape_key_remove(keys.key_blocks[name])
+    keys.eval_time = 0.0
+    if settings.key_before < 0:
+        shape = points_of(obj, keys.key_blocks[-1])
+        obj.shape_key_clear()
+        points.write(obj, shape)
+    else:
+        keys.use_relative = True
+        obj.active_shape_key_index = settings.key_before
+    points.update(obj)
 
 
 def show_unkeyed(obj: bpy.types.Object, coordinates: np.ndarray) -> None:
@@ -281,35 +296,7 @@ def drop_scratch(obj: bpy.types.Object) -> None:
             take_out(obj, block)
 
 
-def _remove_pose(obj: bpy.types.Object, pose: int) -> None:
-    block = block_at(obj.data.shape_keys, obj.planar.poses[pose].at)
-    if block is not None:
-        obj.shape_key_remove(block)
-    obj.planar.poses.remove(pose)
-
-
-def _remove_keys(keys: bpy.types.Key, chosen: np.ndarray) -> None:
-    """Remove those keys of the curve that are chosen (a mask)."""
-    if chosen.any():
-        curve = own_curve(keys)
-        for index in np.flatnonzero(chosen)[::-1].tolist():
-            curve.keyframe_points.remove(curve.keyframe_points[index], fast=True)
-        curve.update()
-
-
-def _unkey_between(obj: bpy.types.Object, frames: list[float]) -> None:
-    """Remove all keys from the first to the last of the frames but those at them, and what only they show."""
-    keys = obj.data.shape_keys
-    at = keyed(keys)[:, 0]
-    kept = (np.abs(at[:, None] - np.array(frames)) < SAME_FRAME).any(axis=1)
-    shown = [bool(frames_of(obj, pose)) for pose in range(len(obj.planar.poses))]
-    _remove_keys(keys, (at > frames[0]) & (at < frames[-1]) & ~kept)
-    for pose in reversed(range(len(shown))):
-        if shown[pose] and not frames_of(obj, pose):
-            _remove_pose(obj, pose)
-
-
-def _show_frame(obj: bpy.types.Object) -> None:
+def show_frame(obj: bpy.types.Object) -> None:
     """Show what the curve says for the present frame."""
     keys = obj.data.shape_keys
     curve = shown_curve(keys)
@@ -318,7 +305,8 @@ def _show_frame(obj: bpy.types.Object) -> None:
     points.update(obj)
 
 
-def _begin(obj: bpy.types.Object, rest: np.ndarray) -> None:
+def begin_sequence(obj: bpy.types.Object, rest: np.ndarray) -> None:
+    """Make an object's shape keys absolute, with the shape `rest` as the Basis, for poses to be added."""
     mesh, settings = obj.data, obj.planar
     settings.poses.clear()
     if mesh.shape_keys is None:
@@ -331,11 +319,3 @@ def _begin(obj: bpy.types.Object, rest: np.ndarray) -> None:
     else:
         settings.key_before = obj.active_shape_key_index
     mesh.shape_keys.use_relative = False
-
-
-def _drop_lost_poses(obj: bpy.types.Object) -> None:
-    """Poses whose blocks the user removed are no poses any more."""
-    poses = obj.planar.poses
-    for index in reversed(range(len(poses))):
-        if block_at(obj.data.shape_keys, poses[index].at) is None:
-            poses.remove(index)
