@@ -12,10 +12,10 @@ def go_to(frame):
 
 def write(obj, seed):
     """A pose of the shown shape with its own bits, and small enough to keep the mesh whole; what it shows."""
-    from planar_deform.scene.access import begin
+    from planar_deform.scene.shape import begin_shape
 
     activate(obj)
-    scene = begin(bpy.context)
+    scene = begin_shape(bpy.context)
     scene.write(scene.positions + np.random.default_rng(seed).uniform(-0.02, 0.02, scene.positions.shape))
     return evaluated(obj)
 
@@ -54,13 +54,8 @@ def timing(obj):
 
 def stored(obj):
     """All that is stored of an object's shapes and their timing, as plain values."""
-    mesh, keys = obj.data, obj.data.shape_keys
-    attributes = {
-        name: coordinates(mesh.attributes[name].data, "vector").tobytes()
-        for name in ("planar_rest",)
-        if name in mesh.attributes
-    }
-    result = [coordinates(mesh.vertices).tobytes(), attributes, [(p.name, p.at) for p in obj.planar.poses]]
+    keys = obj.data.shape_keys
+    result = [_own(obj), [(p.name, p.at) for p in obj.planar.poses]]
     if keys is not None:
         result += [
             [
@@ -71,7 +66,7 @@ def stored(obj):
                     b.mute,
                     b.vertex_group,
                     b.relative_key.name,
-                    coordinates(b.data).tobytes(),
+                    _content(b.data),
                 )
                 for b in keys.key_blocks
             ],
@@ -79,3 +74,21 @@ def stored(obj):
             None if keys.animation_data is None or keys.animation_data.action is None else timing(obj),
         ]
     return result
+
+
+def _own(obj):
+    """What a mesh or curve itself holds."""
+    if obj.type == "CURVE":
+        return [
+            ([tuple(point.co) for point in spline.points], _content(spline.points), spline.use_cyclic_u)
+            for spline in obj.data.splines
+        ]
+    rest = obj.data.attributes.get("planar_rest")
+    return coordinates(obj.data.vertices).tobytes(), rest and coordinates(rest.data, "vector").tobytes()
+
+
+def _content(points):
+    """All that is stored of points: curves' have a radius and a tilt, too."""
+    if not hasattr(points[0], "radius"):
+        return coordinates(points).tobytes()
+    return [(tuple(point.co), point.radius, point.tilt) for point in points]

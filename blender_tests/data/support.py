@@ -58,9 +58,10 @@ def coordinates(points, name="co"):
 
 
 def evaluated(obj):
-    """What Blender shows: the evaluated mesh's coordinates."""
+    """What Blender shows: evaluated coordinates of a mesh's vertices, or of an unfilled curve's points."""
     bpy.context.view_layer.update()
-    return coordinates(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return coordinates((shown.data if obj.type == "MESH" else shown.to_mesh()).vertices)
 
 
 def add_pins(obj, *groups, kind="POINT"):
