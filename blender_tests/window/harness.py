@@ -34,6 +34,7 @@ class Window:
 
     def __init__(self) -> None:
         self.mouse = (0, 0)
+        self._button = 0  # where in the sidebar one was found last
 
     # ---- what is there; looked up each time, as loading a file replaces all of it
     @property
@@ -149,6 +150,32 @@ class Window:
     def redo(self) -> Iterator[None]:
         yield from self.key("Z", ctrl=True, shift=True)
         yield
+
+    # ---- the sidebar
+    def sidebar(self, tab: str = "Planar") -> Iterator[None]:
+        """Open it at a tab."""
+        self.area.spaces.active.show_region_ui = True
+        yield from self.wait(0.3)  # it knows its tabs once it has been drawn
+        self.region("UI").active_panel_category = tab
+        self.region("UI").tag_redraw()
+        yield from self.wait(0.3)
+
+    def push(self, operator: str) -> Iterator[None]:
+        """Click the sidebar's button of an operator, such as planar.key_pose, wherever it is."""
+        region = self.region("UI")
+        columns = [region.x + region.width * share // 8 for share in (2, 5)]
+        rows = range(region.y + 7, region.y + region.height, 14)
+        last = self._button  # the next one is often near
+        places = sorted(((x, y) for y in rows for x in columns), key=lambda place: abs(place[1] - last))
+        for place in places:
+            yield from self.move(place)
+            bpy.context.window_manager.clipboard = ""
+            yield from self.key("C", ctrl=True)  # copies the command of the button under the mouse
+            if bpy.context.window_manager.clipboard.startswith(f"bpy.ops.{operator}("):
+                self._button = place[1]
+                yield from self.click(place)
+                return
+        raise AssertionError(f"the sidebar shows no button of {operator}")
 
     # ---- the view and the tool
     def look(self, direction: str = "FRONT", distance: float = 8.0) -> Iterator[None]:

@@ -7,30 +7,7 @@ import bpy
 import numpy as np
 from cutouts import active, moved, ready
 from harness import Window, addon
-
-LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
-
-
-def shown() -> np.ndarray:
-    """What Blender shows of the active object, n x 3 float32."""
-    mesh = active().evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    coordinates = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.vertices.foreach_get("co", coordinates)
-    return coordinates.reshape(-1, 3)
-
-
-def at(frame: int) -> np.ndarray:
-    bpy.context.scene.frame_set(frame)
-    return shown()
-
-
-def pin_place(index: int) -> tuple[float, float, float]:
-    """Where a point pin is in the world: the weighted mean of its vertices as they are shown."""
-    obj = active()
-    group = obj.vertex_groups[obj.planar.pins[index].group].index
-    weights = np.array([sum(e.weight for e in v.groups if e.group == group) for v in obj.data.vertices])
-    x, y, z = weights @ shown() / weights.sum()
-    return (float(x), float(y), float(z))
+from poses import LEFT, RIGHT, at, pin_place, pull, shown
 
 
 def key_pose(window: Window) -> Iterator[None]:
@@ -40,24 +17,17 @@ def key_pose(window: Window) -> Iterator[None]:
     yield
 
 
-def lift(window: Window, height: float, index: int = 1) -> Iterator[None]:
-    x, y, z = pin_place(index)
-    yield from window.drag(window.pixel((x, y, z)), window.pixel((x, y, z + height)))
-
-
 def keyed(window: Window) -> Iterator[None]:
     """Poses at frames 1, 25 and 49, and the sidebar open at our tab."""
     yield from ready(window, LEFT, RIGHT)
     with window.context():
         bpy.ops.screen.screen_full_area()  # the sidebar is long
     yield from window.wait(0.3)
-    window.area.spaces.active.show_region_ui = True
-    yield from window.wait(0.3)
-    window.region("UI").active_panel_category = "Planar"
+    yield from window.sidebar()
     for frame, height in ((1, 0.5), (25, -1.0), (49, 1.0)):
         bpy.context.scene.frame_set(frame)
         yield
-        yield from lift(window, height)
+        yield from pull(window, 0.0, height)
         yield from key_pose(window)
 
 
@@ -104,7 +74,7 @@ def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) ->
     assert moved(shown(), poses[25]) > 0.2
     yield from window.key("ESC")
     assert np.array_equal(shown(), poses[25])
-    yield from lift(window, 0.7)
+    yield from pull(window, 0.0, 0.7)
     edited = shown()
     assert moved(edited, poses[25]) > 0.3
     assert not addon("scene.sequence").unkeyed(active())
@@ -123,13 +93,13 @@ def test_a_drag_elsewhere_is_unkeyed_undone_redone_and_lost_with_the_frame(windo
     between = at(13)
     bpy.ops.ed.undo_push(message="Frame")
     yield
-    yield from lift(window, 0.7)
+    yield from pull(window, 0.0, 0.7)
     unkeyed = shown()
     assert sequence.unkeyed(active())
     assert moved(unkeyed, between) > 0.3
     yield from window.wait(0.5)
     window.picture("unkeyed")
-    yield from lift(window, 0.2)
+    yield from pull(window, 0.0, 0.2)
     second = shown()
     yield from window.undo()
     assert np.array_equal(shown(), unkeyed)
@@ -155,7 +125,7 @@ def test_auto_key_keys_what_was_dragged_in_one_step(window: Window) -> Iterator[
     bpy.ops.ed.undo_push(message="Frame")
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
     yield
-    yield from lift(window, 0.7)
+    yield from pull(window, 0.0, 0.7)
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = False
     dragged = shown()
     assert np.array_equal(at(13), dragged)

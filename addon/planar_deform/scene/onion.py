@@ -14,7 +14,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from ..model.frame import Indices
-from . import points, sequence
+from . import points, sequence, snapshot
 from .errors import Refusal
 from .neighbours import KeyedPose, around
 from .pose_blocks import block_at
@@ -46,12 +46,12 @@ class _Kept:
 
 
 _kept: _Kept | None = None
-_changes = 0  # how often Blender has said that shapes may have changed
+_changed = False  # Blender has said that shapes may have changed
 
 
 def of_active(context: bpy.types.Context) -> Onion | None:
     """What to draw of the active object; the same one as long as it is the same. Changes no data."""
-    global _kept
+    global _kept, _changed
     obj = context.object
     if obj is None or context.mode not in MODES or not obj.planar.show_onion or not sequence.is_ours(obj):
         return None
@@ -59,12 +59,14 @@ def of_active(context: bpy.types.Context) -> Onion | None:
     places = tuple(None if pose is None else pose.at for pose in (before, behind))
     if places == (None, None):
         return None
-    signature = obj.name, obj.session_uid, places, _changes
-    if _kept is None or _kept.signature != signature:
+    signature = obj.name, obj.session_uid, places
+    changed = _changed and not snapshot.following()  # a drag would have it read at each event
+    if _kept is None or _kept.signature != signature or changed:
         try:
             onion = Onion(outline(obj), _shape(obj, before), _shape(obj, behind))
         except Refusal:
             return None  # the panel says what is wrong
+        _changed = False
         _kept = _Kept(signature, _kept.onion if _kept is not None and _kept.onion.same(onion) else onion)
     return _kept.onion
 
@@ -103,8 +105,8 @@ def _on_update(_scene, depsgraph):
 
 @persistent
 def _on_change(*_):
-    global _changes
-    _changes += 1
+    global _changed
+    _changed = True
 
 
 @persistent

@@ -93,6 +93,11 @@ def follow(scene: SceneCutout, positions: Array, results: Iterable[PinResult]) -
     _kept = _Kept((), _snapshot(scene, positions, results, edges))
 
 
+def following() -> bool:
+    """Whether a drag is on."""
+    return _followed is not None
+
+
 def release() -> None:
     """The drag is over: what is shown is read again."""
     global _followed
