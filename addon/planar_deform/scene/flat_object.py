@@ -131,6 +131,10 @@ class FlatObject:
         """
         self._store(self._placed(self._target.begin, self.positions, positions, self._share))
 
+    def show(self, shape: np.ndarray) -> None:
+        """Show a shape, see scene/points.py, of an object with a pose sequence."""
+        self._store(shape)
+
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
         obj = self.resolve()

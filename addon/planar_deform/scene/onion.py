@@ -17,6 +17,7 @@ from ..model.frame import Indices
 from . import points, sequence, snapshot
 from .errors import Refusal
 from .neighbours import KeyedPose, around
+from .outline import edges_of
 from .pose_blocks import block_at
 
 CLASSES = ()
@@ -74,13 +75,7 @@ def of_active(context: bpy.types.Context) -> Onion | None:
 def outline(obj: bpy.types.Object) -> Indices:
     """The edges of at most one face of a mesh, or all of a curve, e x 2 indices of points."""
     if obj.type == "CURVE":
-        pairs, start = [], 0
-        for spline in obj.data.splines:
-            rows = np.arange(start, start + len(spline.points), dtype=np.int32)
-            ahead = np.roll(rows, -1)
-            pairs.append(np.stack([rows, ahead], axis=1)[: None if spline.use_cyclic_u else -1])
-            start += len(rows)
-        return np.concatenate(pairs)
+        return edges_of(obj)
     mesh = obj.data
     ends = np.empty(len(mesh.edges) * 2, np.int32)
     mesh.edges.foreach_get("vertices", ends)
