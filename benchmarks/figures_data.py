@@ -102,3 +102,11 @@ def bent_bar(columns: int = 159, rows: int = 31) -> Shape:
         targets = np.column_stack([radius * np.sin(angle), columns / bend - radius * np.cos(angle)])
         poses.append(Pose(f"bar {degrees} deg", handles, targets + np.array([columns, rows]) / 2))
     return Shape("bar", rest, triangles, poses)
+
+
+def rolled(bar: Shape, angle: float) -> np.ndarray:
+    """A regular bar bent along its length into an arc of `angle`; its middle line keeps its length."""
+    x, y = (bar.rest - bar.rest.mean(axis=0)).T
+    length = float(np.ptp(x))
+    radius = length / angle - y
+    return np.column_stack([radius * np.sin(angle * x / length), -radius * np.cos(angle * x / length)])
