@@ -377,3 +377,57 @@ def test_axes_do_not_depend_on_the_order_or_the_place_of_points():
         frames.append(begin_shape(bpy.context).frame)
     for frame in frames[1:]:
         assert np.abs(np.stack([frame.u, frame.v]) - [frames[0].u, frames[0].v]).max() < 1e-5
+
+
+def test_curves_joined_to_a_sequence_are_refused():
+    """Blender leaves the shape keys as they were, too short for the points there are now."""
+    obj = lines("3D curve")
+    key(obj, 1, 1)
+    key(obj, 25, 2)
+    other = lines("3D curve", name="Other")
+    activate(obj)
+    other.select_set(True)
+    bpy.ops.object.join()
+    before = stored(obj)
+    for operator in (bpy.ops.planar.key_pose, bpy.ops.planar.clear_poses):
+        with pytest.raises(RuntimeError, match="joining curves"):
+            operator()
+        assert stored(obj) == before
+
+
+@pytest.mark.parametrize("kind", ["open line", "3D curve"])
+def test_points_added_and_deleted_in_edit_mode(kind):
+    obj = lines(kind)
+    shapes = {frame: key(obj, frame, seed) for seed, frame in ((1, 1), (2, 25), (3, 49))}
+    first = coordinates(obj.data.shape_keys.key_blocks["Before Poses"].data)
+    edits = bpy.ops.mesh if obj.type == "MESH" else bpy.ops.curve
+    bpy.ops.object.mode_set(mode="EDIT")
+    edits.select_all(action="SELECT")
+    edits.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    count = len(evaluated(obj))
+    assert count > len(first)
+    shown = {frame: shown_at(obj, frame) for frame in shapes}
+    assert all({*map(tuple, shapes[frame])} <= {*map(tuple, shape)} for frame, shape in shown.items())
+    shown[13] = key(obj, 13, 4)
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shown.items())
+    assert bpy.ops.planar.clear_poses() == {"FINISHED"}
+    assert len(evaluated(obj)) == count
+    assert {*map(tuple, first)} <= {*map(tuple, evaluated(obj))}
+
+
+def test_faces_made_and_deleted_during_a_sequence():
+    obj = lines("closed line")
+    shapes = {frame: key(obj, frame, seed) for seed, frame in ((1, 1), (2, 25))}
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.edge_face_add()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(obj.data.polygons) == 1
+    shapes[13] = key(obj, 13, 3)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.delete(type="ONLY_FACE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    shapes[37] = key(obj, 37, 4)
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())

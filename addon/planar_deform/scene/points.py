@@ -50,8 +50,8 @@ def read_block(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
     """The shape that a shape key holds. Raises Refusal if it has another number of points than the object."""
     if len(block.data) != count(obj):
         raise Refusal(
-            f"Shape key '{block.name}' has another number of points than the object: remove the key and "
-            "make it again"
+            f"Shape key '{block.name}' has another number of points than the object, as joining curves "
+            "leaves it: undo that, or remove the key"
         )
     return _columns(block.data, CURVE_FIELDS if obj.type == "CURVE" else ())
 

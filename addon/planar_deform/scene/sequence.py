@@ -259,6 +259,8 @@ def end_sequence(obj: bpy.types.Object) -> None:
     """Take all blocks away, and their curve."""
     settings = obj.planar
     keys = obj.data.shape_keys
+    below = [block for block in keys.key_blocks if block.frame < FIRST - SAME_PLACE]
+    before = points_of(obj, below[-1]) if below else points.read(obj)  # Refusal, while nothing has changed
     action = None if keys.animation_data is None else keys.animation_data.action
     keys.animation_data_clear()
     if action is not None and not action.users:
@@ -267,9 +269,8 @@ def end_sequence(obj: bpy.types.Object) -> None:
         obj.shape_key_remove(keys.key_blocks[name])
     keys.eval_time = 0.0
     if settings.key_before < 0:
-        shape = points_of(obj, keys.key_blocks[-1])
         obj.shape_key_clear()
-        points.write(obj, shape)
+        points.write(obj, before)
     else:
         keys.use_relative = True
         obj.active_shape_key_index = settings.key_before
