@@ -119,7 +119,9 @@ Points to_points(const std::string& name, py::handle value, Eigen::Index rows) {
 
 Triangles to_triangles(py::handle value) { return to_integers<Triangles>("triangles", value, kAnyRows, 3); }
 
-Edges to_edges(py::handle value) { return to_integers<Edges>("edges", value, kAnyRows, 2); }
+Edges to_edges(const std::string& name, py::handle value) {
+  return to_integers<Edges>(name, value, kAnyRows, 2);
+}
 
 Eigen::VectorXd to_numbers(const std::string& name, py::handle value, Eigen::Index rows) {
   return value.is_none() ? Eigen::VectorXd() : to_reals<Eigen::VectorXd>(name, value, rows, 1);

@@ -25,7 +25,7 @@ Points to_points(const std::string& name, pybind11::handle value, Eigen::Index r
 Triangles to_triangles(pybind11::handle value);
 
 // m×2 integers.
-Edges to_edges(pybind11::handle value);
+Edges to_edges(const std::string& name, pybind11::handle value);
 
 // `rows` finite numbers; None gives an empty vector.
 Eigen::VectorXd to_numbers(const std::string& name, pybind11::handle value, Eigen::Index rows);

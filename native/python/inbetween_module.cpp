@@ -32,7 +32,7 @@ Elements to_elements(py::handle triangles, py::handle edges) {
     throw std::invalid_argument("triangles, edges: give one of the two");
   }
   if (!triangles.is_none()) return to_triangles(triangles);
-  return to_edges(edges);
+  return to_edges("edges", edges);
 }
 
 // f×n×2, or a sequence of n×2.
@@ -66,21 +66,37 @@ Eigen::MatrixXi to_turns(py::handle value, Eigen::Index n_transitions) {
   return turns;
 }
 
+bool is_sequence(py::handle value) {
+  if (py::isinstance<py::array>(value)) return py::reinterpret_borrow<py::array>(value).ndim() > 0;
+  return py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value);
+}
+
 // Indices, or a sequence of indices and None, one a transition.
 std::vector<Eigen::VectorXi> to_anchors(py::handle value) {
   if (value.is_none()) return {};
-  const auto is_set = [](py::handle item) {
-    return item.is_none() || (py::isinstance<py::sequence>(item) && !py::isinstance<py::str>(item)) ||
-           (py::isinstance<py::array>(item) && py::reinterpret_borrow<py::array>(item).ndim() > 0);
-  };
-  const bool several = (py::isinstance<py::sequence>(value) || py::isinstance<py::array>(value)) &&
-                       py::len(value) > 0 && is_set(*py::iter(value));
-  if (!several) return {to_indices("anchor", value)};
-  std::vector<Eigen::VectorXi> anchors;
-  for (const py::handle item : value) {
-    anchors.push_back(to_indices("anchor[" + std::to_string(anchors.size()) + "]", item));
+  if (is_sequence(value) && py::len(value) > 0) {
+    const py::handle first = *py::iter(value);
+    if (first.is_none() || is_sequence(first)) {
+      std::vector<Eigen::VectorXi> anchors;
+      for (const py::handle item : value) {
+        anchors.push_back(to_indices("anchor[" + std::to_string(anchors.size()) + "]", item));
+      }
+      return anchors;
+    }
   }
-  return anchors;
+  return {to_indices("anchor", value)};
+}
+
+// A sequence of k×2 indices and None, one a transition.
+std::vector<Edges> to_joints(py::handle value) {
+  if (value.is_none()) return {};
+  if (!is_sequence(value)) throw std::invalid_argument("joints: expected a list of (k, 2) arrays and None");
+  std::vector<Edges> joints;
+  for (const py::handle item : value) {
+    joints.push_back(item.is_none() ? Edges()
+                                    : to_edges("joints[" + std::to_string(joints.size()) + "]", item));
+  }
+  return joints;
 }
 
 template <typename Choice>
@@ -130,14 +146,15 @@ Eigen::Index vertices_of(const std::vector<Points>& shapes) { return shapes.empt
 // What inbetween and Inbetweens are given in common.
 struct Request {
   Request(py::handle keys_, py::handle triangles, py::handle edges, py::handle key_times, py::handle rest,
-          py::handle turns, py::handle anchor, const std::string& anchor_path, bool smooth, double tolerance,
-          int max_iterations, int threads, const py::object& progress)
+          py::handle turns, py::handle anchor, const std::string& anchor_path, py::handle joints, bool smooth,
+          double tolerance, int max_iterations, int threads, const py::object& progress)
       : keys(to_shapes("keys", keys_)), elements(to_elements(triangles, edges)) {
     options.key_times = to_numbers("key_times", key_times, static_cast<Eigen::Index>(keys.size()));
     if (!rest.is_none()) options.rest = to_points("rest", rest, vertices_of(keys));
     options.turns = to_turns(turns, static_cast<Eigen::Index>(keys.size()) - 1);
     options.anchors = to_anchors(anchor);
     options.anchor_path = to_path(anchor_path);
+    options.joints = to_joints(joints);
     options.smooth = smooth;
     options.tolerance = tolerance;
     options.max_iterations = max_iterations;
@@ -153,10 +170,10 @@ struct Request {
 py::array_t<double> py_inbetween(py::handle keys, py::handle times, py::handle triangles, py::handle edges,
                                  py::handle key_times, py::handle rest, py::handle turns,
                                  const std::string& method, py::handle anchor, const std::string& anchor_path,
-                                 bool smooth, double tolerance, int max_iterations, int threads,
-                                 const py::object& progress) {
-  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, smooth, tolerance,
-                  max_iterations, threads, progress);
+                                 py::handle joints, bool smooth, double tolerance, int max_iterations,
+                                 int threads, const py::object& progress) {
+  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, smooth,
+                  tolerance, max_iterations, threads, progress);
   request.options.method = to_method(method);
   const Eigen::VectorXd t = to_numbers("times", times, kAnyRows);
   std::vector<Points> frames;
@@ -199,9 +216,9 @@ using InbetweensRef = std::shared_ptr<GuardedInbetweens>;
 
 InbetweensRef make_inbetweens(py::handle keys, py::handle triangles, py::handle edges, py::handle key_times,
                               py::handle rest, py::handle turns, py::handle anchor,
-                              const std::string& anchor_path, bool smooth, double tolerance,
-                              int max_iterations, int threads, const py::object& progress) {
-  const Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, smooth,
+                              const std::string& anchor_path, py::handle joints, bool smooth,
+                              double tolerance, int max_iterations, int threads, const py::object& progress) {
+  const Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, smooth,
                         tolerance, max_iterations, threads, progress);
   const py::gil_scoped_release unlocked;
   return std::make_shared<GuardedInbetweens>(request);
@@ -250,10 +267,10 @@ void bind_inbetween(py::module_& m) {
       "inbetween", &py_inbetween, py::arg("keys"), py::arg("times"), py::kw_only(),
       py::arg("triangles") = py::none(), py::arg("edges") = py::none(), py::arg("key_times") = py::none(),
       py::arg("rest") = py::none(), py::arg("turns") = py::none(), py::arg("method") = "midpoint",
-      py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight", py::arg("smooth") = false,
-      py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100, py::arg("threads") = 0,
-      py::arg("progress") = py::none(),
-      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight", py::arg("joints") = py::none(),
+      py::arg("smooth") = false, py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100,
+      py::arg("threads") = 0, py::arg("progress") = py::none(),
+      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", joints=None, smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 Shapes between key shapes, as isometric as possible (Li et al. 2013, "Planar shape interpolation using relative velocity
 fields").
@@ -262,7 +279,8 @@ keys K x n x 2, K >= 2; times f, each from the first key's time to the last's; o
 open lines, any edge soup). key_times K, ascending (None: 0..K-1). rest n x 2: lengths and box are taken from it, so that what is
 between two keys depends on no other (None: from the keys' means). turns: extra whole turns, counter-clockwise: a number, K-1, or
 (K-1) x parts. anchor: vertices whose mean, part by part, moves on anchor_path "straight" or "arc" (None: the centroid of each
-part), or a list of K-1 such sets and None. smooth: velocities are continuous at the keys, too; what rests or turns back at a key
+part), or a list of K-1 such sets and None. joints: K-1 arrays k x 2 or None, of layers that hang together: rows of a vertex of the
+carrying part and one of the carried part, which stay next to each other as in the keys. smooth: velocities are continuous at the keys, too; what rests or turns back at a key
 does so without overshoot, and what is between two keys then depends on the ones next to them as well. tolerance of (11), a share of the box diagonal. The result does not depend on threads (0: one per core).
 
 method "midpoint" solves on a grid that depends on the keys alone and samples it: any times give the same frames. Where triangles
@@ -275,7 +293,7 @@ Cancelled.)");
 
   auto motion_class = py::class_<GuardedInbetweens, InbetweensRef>(
       m, "Inbetweens",
-      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", joints=None, smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 The motion of inbetween(method="midpoint"), solved once, to be sampled again and again: for a breakdown under the mouse.
 
@@ -285,8 +303,8 @@ Arguments and errors as inbetween. Threads may share an object: calls on it wait
       .def(py::init(&make_inbetweens), py::arg("keys"), py::kw_only(), py::arg("triangles") = py::none(),
            py::arg("edges") = py::none(), py::arg("key_times") = py::none(), py::arg("rest") = py::none(),
            py::arg("turns") = py::none(), py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight",
-           py::arg("smooth") = false, py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100,
-           py::arg("threads") = 0, py::arg("progress") = py::none())
+           py::arg("joints") = py::none(), py::arg("smooth") = false, py::arg("tolerance") = 5e-4,
+           py::arg("max_iterations") = 100, py::arg("threads") = 0, py::arg("progress") = py::none())
       .def(
           "at",
           [](const InbetweensRef& motion, py::handle times, bool overshoot) {

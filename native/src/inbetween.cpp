@@ -35,6 +35,7 @@ struct Inbetweens::State {
       throw std::invalid_argument("method: only midpoint can be sampled at any time");
     }
     const std::vector<Eigen::VectorXi> anchors = anchors_of(graph, keys, options);
+    const std::vector<Edges> joints = joints_of(graph, keys, options);
     const Eigen::MatrixXi extra = turns_of(graph, keys, options);
     const std::vector<Points> references = references_of(keys, options);
     const double tolerance = options.tolerance * diagonal_of(references);
@@ -54,7 +55,7 @@ struct Inbetweens::State {
                                                   progress_of(options, 0.0, k)};
       settings.progress(0.0);
       transitions.push_back({{graph, assembler, from, to, turns, part_turns, settings, team},
-                             {graph, from, to, anchors[k], std::move(course)},
+                             {graph, from, to, anchors[k], joints[k], course},
                              nullptr});
     }
     if (options.smooth) join_transitions();

@@ -2,17 +2,42 @@
 #include "inbetween_input.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "checks.h"
+#include "disjoint_sets.h"
 
 namespace planar {
 
 namespace {
 
 constexpr int most_turns = 100;
+
+/// Sets of which one may stand for all transitions and none for empty ones.
+template <typename Set>
+std::vector<Set> for_transitions(const std::string& name, std::vector<Set> sets, std::size_t n_transitions) {
+  if (sets.size() <= 1) sets.resize(n_transitions, sets.empty() ? Set() : Set(sets[0]));
+  if (sets.size() != n_transitions) {
+    throw std::invalid_argument(name + ": " + std::to_string(sets.size()) + " sets, expected 1 or " +
+                                std::to_string(n_transitions) + " (one per pair of keys)");
+  }
+  return sets;
+}
+
+template <typename Set>
+std::string name_of(const std::string& name, const std::vector<Set>& sets, std::size_t k) {
+  return sets.size() == 1 ? name : name + "[" + std::to_string(k) + "]";
+}
+
+void require_vertex(const std::string& where, int vertex, const EdgeGraph& graph) {
+  if (vertex >= 0 && vertex < graph.n_vertices) return;
+  throw std::invalid_argument(where + "vertex " + std::to_string(vertex) +
+                              " is out of range, the shape has " + std::to_string(graph.n_vertices) +
+                              " vertices");
+}
 
 }  // namespace
 
@@ -101,24 +126,40 @@ Eigen::MatrixXi turns_of(const EdgeGraph& graph, const std::vector<Points>& keys
 
 std::vector<Eigen::VectorXi> anchors_of(const EdgeGraph& graph, const std::vector<Points>& keys,
                                         const InbetweenOptions& options) {
-  std::vector<Eigen::VectorXi> anchors = options.anchors;
-  const bool single = anchors.size() == 1;
-  if (anchors.empty()) anchors.emplace_back();
-  if (anchors.size() == 1) anchors.resize(keys.size() - 1, anchors[0]);
-  if (anchors.size() != keys.size() - 1) {
-    throw std::invalid_argument("anchor: " + std::to_string(anchors.size()) + " sets, expected 1 or " +
-                                std::to_string(keys.size() - 1) + " (one per pair of keys)");
-  }
+  const auto anchors = for_transitions("anchor", options.anchors, keys.size() - 1);
   for (std::size_t k = 0; k < anchors.size(); ++k) {
-    const std::string name = single ? "anchor" : "anchor[" + std::to_string(k) + "]";
     for (Eigen::Index i = 0; i < anchors[k].size(); ++i) {
-      if (anchors[k][i] >= 0 && anchors[k][i] < graph.n_vertices) continue;
-      throw std::invalid_argument(row_of(name.c_str(), i) + "vertex " + std::to_string(anchors[k][i]) +
-                                  " is out of range, the shape has " + std::to_string(graph.n_vertices) +
-                                  " vertices");
+      require_vertex(row_of(name_of("anchor", options.anchors, k).c_str(), i), anchors[k][i], graph);
     }
   }
   return anchors;
+}
+
+std::vector<Edges> joints_of(const EdgeGraph& graph, const std::vector<Points>& keys,
+                             const InbetweenOptions& options) {
+  const auto joints = for_transitions("joints", options.joints, keys.size() - 1);
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    DisjointSets together(static_cast<std::size_t>(graph.n_parts));
+    std::vector<char> carried(static_cast<std::size_t>(graph.n_parts));
+    for (Eigen::Index i = 0; i < joints[k].rows(); ++i) {
+      const std::string where = row_of(name_of("joints", options.joints, k).c_str(), i);
+      std::array<int, 2> part{};
+      for (const int side : {0, 1}) {
+        const int vertex = joints[k](i, side);
+        require_vertex(where, vertex, graph);
+        part[static_cast<std::size_t>(side)] = graph.part[static_cast<std::size_t>(vertex)];
+        if (graph.part[static_cast<std::size_t>(vertex)] == -1) {
+          throw std::invalid_argument(where + "vertex " + std::to_string(vertex) + " belongs to no part");
+        }
+      }
+      char& taken = carried[static_cast<std::size_t>(part[1])];
+      if (taken) throw std::invalid_argument(where + "the part is carried by another one already");
+      if (!together.join(part[0], part[1]))
+        throw std::invalid_argument(where + "the part would carry itself");
+      taken = 1;
+    }
+  }
+  return joints;
 }
 
 Eigen::VectorXd mean_turns(const EdgeGraph& graph, const Eigen::VectorXd& turns, const Points& from,

@@ -31,6 +31,10 @@ Eigen::MatrixXi turns_of(const EdgeGraph& graph, const std::vector<Points>& keys
 std::vector<Eigen::VectorXi> anchors_of(const EdgeGraph& graph, const std::vector<Points>& keys,
                                         const InbetweenOptions& options);
 
+/// options.joints, a set for each transition, checked.
+std::vector<Edges> joints_of(const EdgeGraph& graph, const std::vector<Points>& keys,
+                             const InbetweenOptions& options);
+
 /// The mean of `turns` (one an edge) over the edges of each part, by their lengths in both keys.
 Eigen::VectorXd mean_turns(const EdgeGraph& graph, const Eigen::VectorXd& turns, const Points& from,
                            const Points& to);

@@ -6,7 +6,6 @@
 #include <memory>
 #include <numbers>
 #include <string>
-#include <utility>
 
 #include "checks.h"
 #include "edge_turns.h"
@@ -237,6 +236,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
   require_iteration(options);
   require_uniform(times, key_times_of(keys, options));
   const Eigen::VectorXi anchor = anchors_of(graph, keys, options)[0];
+  const Edges joints = joints_of(graph, keys, options)[0];
   Eigen::VectorXd turns = breadth_first_turns(graph, keys[0], keys[1]);
   PartPlacer::Course course{Eigen::VectorXd::Zero(graph.n_parts), Eigen::VectorXd::Zero(graph.n_parts)};
   if (options.anchor_path == AnchorPath::arc) {
@@ -278,7 +278,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
     if (options.progress && !options.progress(iteration / (iteration + 4.0))) throw Cancelled();
   }
 
-  const PartPlacer placer(graph, keys[0], keys[1], anchor, std::move(course));
+  const PartPlacer placer(graph, keys[0], keys[1], anchor, joints, course);
   std::vector<Points> frames{keys[0]};
   for (Eigen::Index k = 1; k < last; ++k) {
     const double u = static_cast<double>(k) / static_cast<double>(last);

@@ -25,7 +25,7 @@ Complex place_in(const Points& x, int v) { return {x(v, 0), x(v, 1)}; }
 }  // namespace
 
 PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points& to,
-                       const Eigen::VectorXi& anchor, Course course)
+                       const Eigen::VectorXi& anchor, const Edges& joints, const Course& course)
     : graph_(graph), parts_(static_cast<std::size_t>(graph.n_parts)) {
   const auto add = [this](int vertex) {
     const int part = graph_.part[static_cast<std::size_t>(vertex)];
@@ -38,13 +38,11 @@ PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points&
     const int part = graph.part[static_cast<std::size_t>(v)];
     if (part == -1) {
       isolated_.push_back(v);
-      isolated_from_.push_back(place_in(from, v));
-      isolated_way_.push_back(place_in(to, v) - place_in(from, v));
+      isolated_line_.push_back({place_in(from, v), place_in(to, v) - place_in(from, v)});
     } else if (!held[static_cast<std::size_t>(part)]) {
       add(v);
     }
   }
-  isolated_change_.resize(isolated_.size());
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     Part& part = parts_[p];
     part.from = mean_of(part.anchor, [&from](int v) { return place_in(from, v); });
@@ -52,6 +50,24 @@ PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points&
     part.turn = course.turns[static_cast<Eigen::Index>(p)];
     part.arc = course.arc_turns[static_cast<Eigen::Index>(p)];
     if (std::abs(part.arc) < straight) part.arc = 0.0;
+  }
+  for (Eigen::Index i = 0; i < joints.rows(); ++i) {
+    const int a = joints(i, 0), b = joints(i, 1);
+    Part& part = parts_[part_of(b)];
+    part.joint = {a, b};
+    part.offset.from = place_in(from, b) - place_in(from, a);
+    part.offset.way = place_in(to, b) - place_in(to, a) - part.offset.from;
+  }
+  std::vector<char> ordered(parts_.size());
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    // Up to one that is in order already, then back.
+    std::vector<std::size_t> chain;
+    for (std::size_t q = p; !ordered[q]; q = part_of(parts_[q].joint[0])) {
+      chain.push_back(q);
+      ordered[q] = 1;
+      if (parts_[q].joint[0] == -1) break;
+    }
+    order_.insert(order_.end(), chain.rbegin(), chain.rend());
   }
 }
 
@@ -85,45 +101,60 @@ void PartPlacer::join(PartPlacer& before, PartPlacer& after, KeyGaps gaps) {
     meet(a.turn, b.turn, a.turn_change, b.turn_change);
     meet(a.arc, b.arc, a.arc_change, b.arc_change);
     if (a.anchor == b.anchor) meet(path_slope(a, 1.0), path_slope(b, 0.0), a.path_change, b.path_change);
+    if (a.joint == b.joint) meet(a.offset.way, b.offset.way, a.offset.change, b.offset.change);
   }
   for (std::size_t i = 0; i < before.isolated_.size(); ++i) {
-    meet(before.isolated_way_[i], after.isolated_way_[i], before.isolated_change_[i],
-         after.isolated_change_[i]);
+    Line &a = before.isolated_line_[i], &b = after.isolated_line_[i];
+    meet(a.way, b.way, a.change, b.change);
   }
 }
 
+/// The translations that take parts at place_of(vertex) to their anchors, anchored(part number), and to their
+/// joints' offsets, offset_of(part).
+std::vector<Complex> PartPlacer::shifts(const auto& anchored, const auto& offset_of,
+                                        const auto& place_of) const {
+  std::vector<Complex> shift(parts_.size());
+  for (const std::size_t p : order_) {
+    const auto [a, b] = parts_[p].joint;
+    if (a == -1) {
+      shift[p] = anchored(p) - mean_of(parts_[p].anchor, place_of);
+    } else {
+      shift[p] = place_of(a) + shift[part_of(a)] + offset_of(parts_[p]) - place_of(b);
+    }
+  }
+  return shift;
+}
+
 Points PartPlacer::place(const ComplexRows& points, Eigen::Index column, double u) const {
-  std::vector<Complex> turn, origin;
+  std::vector<Complex> turn;
   for (const Part& part : parts_) {
     turn.push_back(std::polar(1.0, u * part.turn + part.turn_change.at(u)));
-    const Complex here = mean_of(part.anchor, [&](int v) { return points(v, column); });
-    origin.push_back(path(part, u) - turn.back() * here);
   }
+  const auto turned = [&](int v) { return product(turn[part_of(v)], points(v, column)); };
+  const std::vector<Complex> shift = shifts([&](std::size_t p) { return path(parts_[p], u); },
+                                            [u](const Part& part) { return part.offset.at(u); }, turned);
   Points result(graph_.n_vertices, 2);
   for (int v = 0; v < graph_.n_vertices; ++v) {
-    const int part = graph_.part[static_cast<std::size_t>(v)];
-    if (part == -1) continue;
-    const auto p = static_cast<std::size_t>(part);
-    const Complex x = product(turn[p], points(v, column)) + origin[p];
+    if (graph_.part[static_cast<std::size_t>(v)] == -1) continue;
+    const Complex x = turned(v) + shift[part_of(v)];
     result.row(v) << x.real(), x.imag();
   }
   for (std::size_t i = 0; i < isolated_.size(); ++i) {
-    const Complex x = isolated_from_[i] + u * isolated_way_[i] + isolated_change_[i].at(u);
+    const Complex x = isolated_line_[i].at(u);
     result.row(isolated_[i]) << x.real(), x.imag();
   }
   return result;
 }
 
 void PartPlacer::hold_anchors(const Points& placed, Points& x) const {
-  std::vector<Eigen::RowVector2d> shift;
-  for (const Part& part : parts_) {
-    Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
-    for (const int v : part.anchor) sum += placed.row(v) - x.row(v);
-    shift.emplace_back(sum / static_cast<double>(part.anchor.size()));
-  }
+  const auto before = [&placed](int v) { return place_in(placed, v); };
+  const std::vector<Complex> shift =
+      shifts([&](std::size_t p) { return mean_of(parts_[p].anchor, before); },
+             [&](const Part& part) { return before(part.joint[1]) - before(part.joint[0]); },
+             [&x](int v) { return place_in(x, v); });
   for (int v = 0; v < graph_.n_vertices; ++v) {
-    const int part = graph_.part[static_cast<std::size_t>(v)];
-    if (part != -1) x.row(v) += shift[static_cast<std::size_t>(part)];
+    if (graph_.part[static_cast<std::size_t>(v)] == -1) continue;
+    x.row(v) += Eigen::RowVector2d(shift[part_of(v)].real(), shift[part_of(v)].imag());
   }
 }
 

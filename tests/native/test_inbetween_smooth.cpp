@@ -209,6 +209,80 @@ TEST(Anchors, AreCheckedSetBySet) {
   EXPECT_REFUSAL(s.solved(), "anchor[1], row 1: vertex 68");
 }
 
+/// A figure of three layers: an arm that swings about the body's shoulder, a hand at its end.
+struct Layers {
+  Layers() {
+    const Shape layers = joined(joined(grid(5), moved(bar(10), 0.9, 0.8)), moved(bar(6), 1.9, 0.8));
+    s.shape = layers;
+    s.options.joints = {(Edges(2, 2) << 56, 59, 24, 25).finished()};  // the hand's first, before its carrier
+    const auto key = [&](double body, double arm, double hand) {
+      Points p = rigid_motion(layers.vertices, body, 2.0 * body, 0.3);
+      swing(p, 25, 54, 24, 25, arm);
+      swing(p, 58, 21, 56, 59, hand);
+      return p;
+    };
+    s.keys = {key(0.0, 0.0, 0.0), key(0.4, 1.3, 0.8), key(0.2, 2.4, -0.5)};
+    s.keys[1].row(24) += Eigen::RowVector2d(0.01, 0.0);  // the shoulder gives a little
+  }
+
+  /// Turns the rows from `first` about vertex b and takes them to vertex a.
+  static void swing(Points& p, int first, int rows, int a, int b, double angle) {
+    const Eigen::RowVector2d to = p.row(a), from = p.row(b);
+    p.middleRows(first, rows) =
+        rigid_motion(p.middleRows(first, rows).rowwise() - from, angle, to.x(), to.y());
+  }
+
+  Sequence s;
+};
+
+TEST(Joints, KeepLayersTogether) {
+  const Layers layers;
+  const Inbetweens motion = layers.s.solved();
+  for (const double time : {0.25, 0.5, 0.9, 1.3, 1.8}) {
+    const Points x = motion.at(time);
+    EXPECT_LT((x.row(56) - x.row(59)).norm(), 1e-12) << time;
+    // Straight from none to .01 and back.
+    EXPECT_NEAR((x.row(24) - x.row(25)).norm(), 0.01 * (1.0 - std::abs(1.0 - time)), 1e-12) << time;
+    // The body keeps to its own anchor.
+    const auto k = static_cast<std::size_t>(time);
+    const double u = time - static_cast<double>(k);
+    const Points linear = (1.0 - u) * layers.s.keys[k] + u * layers.s.keys[k + 1];
+    EXPECT_LT((x.topRows(25).colwise().mean() - linear.topRows(25).colwise().mean()).norm(), 1e-12);
+  }
+  EXPECT_GT(jump_at(motion, 1.0).first, 0.1);
+}
+
+TEST(Joints, KeepLayersTogetherIfSmooth) {
+  Layers layers;
+  layers.s.options.smooth = true;
+  const Inbetweens motion = layers.s.solved();
+  for (const double time : {0.25, 0.9, 1.3}) {
+    const Points x = motion.at(time);
+    EXPECT_LT((x.row(56) - x.row(59)).norm(), 1e-12) << time;
+    EXPECT_LT((x.row(24) - x.row(25)).norm(), 0.01) << time;
+  }
+  const auto [jump, velocity] = jump_at(motion, 1.0);
+  EXPECT_LT(jump, 1e-3 * velocity);
+}
+
+TEST(Joints, AreCheckedSetBySet) {
+  const auto refused = [](const Edges& rows) {
+    Layers layers;
+    layers.s.options.joints = {Edges(), rows};
+    return layers.s;
+  };
+  EXPECT_REFUSAL(refused((Edges(1, 2) << 3, 900).finished()).solved(), "joints[1], row 0: vertex 900");
+  EXPECT_REFUSAL(refused((Edges(1, 2) << 3, 4).finished()).solved(),
+                 "joints[1], row 0: the part would carry itself");
+  EXPECT_REFUSAL(refused((Edges(2, 2) << 3, 30, 60, 30).finished()).solved(),
+                 "row 1: the part is carried by another");
+  EXPECT_REFUSAL(refused((Edges(3, 2) << 3, 30, 30, 60, 60, 3).finished()).solved(),
+                 "row 2: the part would carry itself");
+  Sequence s = bent();
+  s.options.joints = {(Edges(1, 2) << 3, 67).finished()};
+  EXPECT_REFUSAL(s.solved(), "belongs to no part");
+}
+
 class Overshoot : public ::testing::TestWithParam<bool> {};
 
 TEST_P(Overshoot, GoesOnSmoothlyBeyondTheKeys) {

@@ -93,6 +93,19 @@ def test_each_transition_can_have_its_own_anchor():
         assert np.allclose(frames[1].mean(axis=0), centre, atol=1e-12)
 
 
+def test_joints_keep_layers_together():
+    count = len(REST)
+    rest = np.concatenate([REST, REST + np.array([1, 0])])
+    posed = np.concatenate([KEYS[1], REST[:, ::-1] * np.array([-1, 1])])
+    posed[count:] += posed[20] - posed[count]
+    triangles = np.concatenate([TRIANGLES, TRIANGLES + count])
+    for joints in ([[[20, count]]], [np.array([[20, count]])]):
+        frames = planar_native.inbetween(
+            [rest, posed], np.linspace(0, 1, 5), triangles=triangles, joints=joints
+        )
+        assert np.abs(frames[:, 20] - frames[:, count]).max() < 1e-12
+
+
 def test_overshoot_goes_beyond_the_keys():
     motion = planar_native.Inbetweens(KEYS, triangles=TRIANGLES)
     before, at, after = motion.at([1 - 1e-5, 1, 1 + 1e-5], overshoot=True)
@@ -148,6 +161,10 @@ def test_progress_can_cancel_and_fail():
         ({"anchor": [[100]]}, "anchor, row 0"),
         ({"anchor": [0.5]}, "anchor"),
         ({"anchor": 3}, "anchor"),
+        ({"joints": 3}, "joints"),
+        ({"joints": [[[0, 1]]]}, "joints, row 0: the part would carry itself"),
+        ({"joints": [None, None]}, "joints: 2 sets"),
+        ({"joints": [[1, 2]]}, r"joints\[0\]"),
         ({"anchor_path": "spiral"}, "anchor_path"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"max_iterations": 0}, "max_iterations"),

@@ -54,6 +54,12 @@ struct InbetweenOptions {
   std::vector<Eigen::VectorXi> anchors{};
   AnchorPath anchor_path = AnchorPath::straight;
 
+  /// Layers that hang together: rows of a vertex of the carrying part and one of the carried part, for which
+  /// the offset from the first to the second goes straight from what it is in one key to what it is in the
+  /// next; the carried part has no anchor then. No part is carried twice, none carries itself in the end.
+  /// None at all, one set for all transitions, or K-1 sets.
+  std::vector<Edges> joints{};
+
   /// Velocities are continuous at the keys, too (midpoint only). What is between two keys then depends on the
   /// two next to them as well, and on the times.
   bool smooth = false;
@@ -100,8 +106,8 @@ struct InbetweenOptions {
 /// does so without overshoot. Cubics that are 0 at the keys are added for it. A part whose anchor is another
 /// one behind the key turns and bends smoothly, but its anchors keep to their own paths.
 ///
-/// 7. Translation, which the paper leaves out: an anchor of each part moves on a path. Isolated vertices move
-/// straight.
+/// 7. Translation, which the paper leaves out: an anchor of each part moves on a path, or another part
+/// carries it. Isolated vertices move straight.
 class Inbetweens {
  public:
   /// \param keys K ≥ 2 shapes, n×2 each
