@@ -362,14 +362,15 @@ def test_a_straight_line_lies_in_the_plane_of_its_other_shapes():
     assert begin_shape(bpy.context).frame.letters == ("X", "Z")
 
 
-def test_axes_do_not_depend_on_the_order_or_the_place_of_points():
+@pytest.mark.parametrize("turn", [PLANES["tilted"], np.array(Matrix.Rotation(np.pi / 4, 3, "X"))])
+def test_axes_do_not_depend_on_the_order_or_the_place_of_points(turn):
     from planar_deform.scene.shape import begin_shape
 
     rng = np.random.default_rng(5)
     frames = []
     for step in range(6):
         order = rng.permutation(len(RING))
-        turned = np.array(RING)[order] @ PLANES["tilted"].T + step
+        turned = np.array(RING)[order] @ turn.T + step
         place = np.argsort(order)
         make_object(
             turned, [], [(place[a], place[b]) for a, b in chain(12, closed=True)], name=f"Ring {step}"

@@ -80,7 +80,9 @@ def frame_across(normal: Array, linear: Array) -> PlaneFrame:
     u follows the first of the two object axes the plane is nearest to and v is turned towards the second, so
     that neither depends on the side of the normal.
     """
-    first, second = SPANNING[int(np.argmax(np.abs(normal)))]
+    sizes = np.abs(normal)
+    # Halfway between two axes rounding must not decide: shapes of one object have to get the same axes.
+    first, second = SPANNING[int(np.argmax(sizes > sizes.max() - 1e-6))]
     # In-plane parts of the object axes, mapped to world-linear space: never zero, never parallel.
     along, across = (linear @ (np.eye(3)[axis] - normal * normal[axis]) for axis in (first, second))
     u = along / np.linalg.norm(along)
