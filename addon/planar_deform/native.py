@@ -24,6 +24,7 @@ if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
 
 Method = Literal["hold", "akvf"]
 Cancelled = planar_native.Cancelled
+Inbetweens = planar_native.Inbetweens
 Poser = planar_native.Poser
 Report = planar_native.Report
 SolveError = planar_native.SolveError

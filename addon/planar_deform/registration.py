@@ -12,6 +12,7 @@ from .model import solver_cache
 from .operators import (
     click,
     drag,
+    inbetweens,
     interactive,
     long_operator,
     pins,
@@ -22,7 +23,7 @@ from .operators import (
     settle,
     stiffness,
 )
-from .scene import follow, onion, properties, snapshot
+from .scene import digests, follow, onion, properties, snapshot
 from .ui import gizmos, onion_skin, overlay, panel, poses_panel, quality, tool
 
 # Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
@@ -38,7 +39,9 @@ MODULES = (
     click,
     stiffness,
     poses,
+    inbetweens,
     pose_travel,
+    digests,
     follow,
     snapshot,
     onion,

@@ -17,6 +17,7 @@ import numpy as np
 from ..model.frame import Array
 from . import pose_curve
 from .errors import ObjectGone
+from .points import write_block
 from .pose_blocks import (
     FIRST,
     HOLD,
@@ -30,7 +31,6 @@ from .pose_blocks import (
     points_of,
     take_out,
 )
-from .points import write_block
 
 Record = dict[str, Any]
 
@@ -46,7 +46,7 @@ class Block:
     """A block of the played range, as it is or is to be."""
 
     name: str
-    shape: np.ndarray | None = None  # see scene/points.py; None: what `source` holds
+    shape: np.ndarray | Callable[[], np.ndarray] | None = None  # see scene/points.py; None: what `source` holds
     source: float | None = None  # the place of the block of the file that it is, with Blender's settings of it
     pose: Record | None = None  # of a listed pose: what the list keeps of it
     sample: bool = False  # generated, for the pose before it
@@ -63,7 +63,7 @@ def blocks_of(obj: bpy.types.Object) -> list[Block]:
     """The played range as it is."""
     keys = obj.data.shape_keys
     poses = {pose.at: pose for pose in obj.planar.poses}
-    present = _whole(places(keys))
+    present = whole(places(keys))
     behind = _generated_behind(obj, set(present.tolist()))
     blocks: list[Block] = []
     owned, latest = 0, FIRST  # generated places that are still to come, and the place before the next of them
@@ -95,7 +95,7 @@ def _generated_behind(obj: bpy.types.Object, present: set[float]) -> dict[float,
     return behind
 
 
-def _whole(at: Array) -> Array:
+def whole(at: Array) -> Array:
     """Places freed of Blender's rounding."""
     whole = np.round(at)
     return np.asarray(np.where(np.abs(at - whole) < SAME_PLACE, whole, at))
@@ -147,9 +147,13 @@ def _lay(
     at = places_of(blocks)
     kept = {block.source: place for block, place in zip(blocks, at, strict=True) if block.source is not None}
     by_source = {block.source: block for block in blocks if block.source is not None}
-    present = _whole(places(keys))
+    present = whole(places(keys))
     present = present[(present > FIRST - SAME_PLACE) & (present < HOLD)].tolist()
-    leaving = [place for place in present if kept.get(place) != place]
+    names = dict(zip(whole(places(keys)).tolist(), keys.key_blocks.keys(), strict=True))
+    leaving = [
+        place for place in present if kept.get(place) != place or by_source[place].name != names[place]
+    ]
+    gone = set(leaving)
     work = len(leaving) + len(blocks)
     undo.show_still(obj)
     settings: dict[float, Record] = {}
@@ -163,11 +167,11 @@ def _lay(
         yield done / work
     for done, (block, place) in enumerate(zip(blocks, at, strict=True), len(leaving)):
         obj = find()
-        if block.source == place:
-            if block.shape is not None:
-                undo.overwrite(obj, place, block.shape)
-        else:
-            block.name = undo.add(obj, block.name, place, block.shape, settings.get(block.source))
+        shape = block.shape() if callable(block.shape) else block.shape
+        if block.source != place or place in gone:
+            block.name = undo.add(obj, block.name, place, shape, settings.get(block.source))
+        elif shape is not None:
+            undo.overwrite(obj, place, shape)
         obj.data.shape_keys.eval_time = STILL
         yield done / work
     obj = find()
@@ -236,7 +240,7 @@ class _Undo:
         self._active = _active_place(obj)
         self._active_pose = settings.active_pose
         self._poses = [(pose.at, record_of(pose)) for pose in settings.poses]
-        self._before = {name: getattr(settings, name) for name in ("curve_before",)}
+        self._before = {name: getattr(settings, name) for name in ("curve_before", "anchor_path", "smooth")}
         self._curve = pose_curve.SavedCurve(keys)
         self._still = False
         self._removed: list[_Stored] = []

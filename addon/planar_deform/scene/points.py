@@ -10,6 +10,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from . import digests
 from .errors import Refusal
 
 CURVE_FIELDS = ("radius", "tilt")  # the columns behind the coordinates
@@ -63,7 +64,8 @@ def write_block(block: bpy.types.ShapeKey, shape: np.ndarray) -> None:
 
 
 def update(obj: bpy.types.Object) -> None:
-    """Tell Blender that the object's shape has been written."""
+    """Tell Blender, and what is kept of shapes, that the object's shape has been written."""
+    digests.forget()
     if obj.type == "CURVE":
         obj.data.update_tag()
     else:

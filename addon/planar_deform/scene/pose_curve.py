@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping
 import bpy
 import numpy as np
 
-from ..model.frame import Array
+from ..model.frame import Array, Mask
+from ..model.played_curve import Offsets, Rows, moved
 from . import compat
 from .pose_blocks import SAME_FRAME, keyed, own_curve, shown_curve
 
@@ -33,18 +34,39 @@ def follow(keys: bpy.types.Key, old: Array, new: Array) -> None:
         curve.keyframe_points.foreach_set(field, values.ravel())
 
 
-def moved(values: Array, old: Array, new: Array) -> Array:
-    """Values carried from places `old` (ascending) to `new`, in proportion; outside of them by the ends'."""
-    outside = np.minimum(values - old[0], 0.0) + np.maximum(values - old[-1], 0.0)
-    result: Array = np.interp(values, old, new) + outside
-    return result
-
-
 def read(curve: bpy.types.FCurve, field: str) -> np.ndarray:
     """Coordinates of the keys ("co") or their handles, k x 2 float32."""
     values = np.empty(len(curve.keyframe_points) * 2, np.float32)
     curve.keyframe_points.foreach_get(field, values)
     return values.reshape(-1, 2)
+
+
+def rows(curve: bpy.types.FCurve) -> Rows:
+    """All keys with their handles."""
+    return Rows(*(read(curve, field) for field in _PAIRS))
+
+
+def write_rows(curve: bpy.types.FCurve, values: Array, kept: Offsets | None = None) -> None:
+    """Give the keys and their handles these values (k x 3), and let Blender set its automatic handles.
+
+    Of `kept`, what is to the bit what it was stays so, with the frames of the handles.
+    """
+    _write_values(curve, values, np.ones(values.shape, bool))
+    curve.update()
+    if kept is not None:
+        for side, field in enumerate(_PAIRS[1:]):
+            pairs = read(curve, field)
+            exact = kept.exact[:, side + 1]
+            pairs[exact, 0] = kept.sides[exact, side]
+            curve.keyframe_points.foreach_set(field, pairs.ravel())
+        _write_values(curve, values, kept.exact)
+
+
+def _write_values(curve: bpy.types.FCurve, values: Array, chosen: Mask) -> None:
+    for column, field in enumerate(_PAIRS):
+        pairs = read(curve, field)
+        pairs[chosen[:, column], 1] = values[chosen[:, column], column]
+        curve.keyframe_points.foreach_set(field, pairs.ravel())
 
 
 def remove_keys(keys: bpy.types.Key, chosen: np.ndarray) -> None:

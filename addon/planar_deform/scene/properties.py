@@ -22,6 +22,11 @@ KINDS = (
     ("PATCH", "Patch", "Holds all vertices of the group rigidly, and can be turned"),
 )
 
+PATHS = (
+    ("STRAIGHT", "Straight", "On straight lines"),
+    ("ARC", "Arc", "On circular arcs, as the drawing turns"),
+)
+
 
 def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
     """Another kind or group holds the drawing where it is now; what the old one was asked for is past."""
@@ -150,6 +155,15 @@ class PlanarSettings(bpy.types.PropertyGroup):
             "Show the outlines of the poses keyed before (green) and behind (blue) the current frame, "
             "but not while the timeline plays"
         ),
+    )
+    anchor_path: EnumProperty(
+        name="Path",
+        description="Way of the planted pins, else of all pins, else of the middle, from one pose to the next",
+        items=PATHS,
+    )
+    smooth: BoolProperty(
+        name="Smooth",
+        description="Pass through the poses without a change of speed or direction there",
     )
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The blocks of a pose sequence in the order in which the curve plays them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .played_curve import Visit, whole_frames
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A block in the order of time."""
+
+    block: int  # index of the block among those there are
+    first: float | None  # the frames at which it is reached and left; None: never played
+    last: float | None
+    copy: bool = False  # the block is there already: it is come back to
+
+
+def in_order(count: int, visits: Sequence[Visit]) -> list[Entry]:
+    """`count` blocks in the order of the visits to them.
+
+    A block that the curve comes back to is there once more. One that no key stands at is played on the way
+    through it: it stays behind the one before it, at times that are even between the keys.
+    """
+    visited = {visit.pose for visit in visits}
+    behind: dict[int, list[int]] = {}
+    latest = -1
+    for block in range(count):
+        if block in visited:
+            latest = block
+        else:
+            behind.setdefault(latest, []).append(block)
+    entries = [Entry(block, None, None) for block in behind.pop(-1, [])]
+    for number, visit in enumerate(visits):
+        passed = behind.pop(visit.pose, [])
+        copy = any(entry.block == visit.pose for entry in entries)
+        entries.append(Entry(visit.pose, visit.first, visit.last, copy))
+        if number + 1 == len(visits):
+            entries += [Entry(block, None, None) for block in passed]
+            continue
+        step = (visits[number + 1].first - visit.last) / (len(passed) + 1)
+        for index, block in enumerate(passed, 1):
+            frame = visit.last + step * index
+            entries.append(Entry(block, frame, frame))
+    return entries
+
+
+def frames_between(before: Entry, after: Entry) -> int:
+    """How many whole frames are strictly between leaving one and reaching the other; 0 if never played."""
+    if before.last is None or after.first is None:
+        return 0
+    return whole_frames(before.last, after.first)

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""In-betweens: generated, and removed."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+
+from ..scene import inbetweens
+from ..scene.properties import PATHS
+from ..scene.shape import begin_shape
+from .long_operator import Job, LongOperator
+from .posing_operator import ShapeOperator
+
+
+class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
+    bl_idname = "planar.generate_inbetweens"
+    bl_label = "Generate In-Betweens"
+    bl_description = (
+        "Fill the frames between the keyed poses, with as little distortion as possible. Timing stays a matter "
+        "of the poses' curve"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    path: EnumProperty(name="Path", description="Way of what is held, from pose to pose", items=PATHS)
+    smooth: BoolProperty(
+        name="Smooth", description="Pass through the poses without a change of speed or direction there"
+    )
+
+    @classmethod
+    def refusal(cls, context):
+        return inbetweens.refusal(context.object)
+
+    def job(self, context):
+        settings = context.object.planar
+        if not self.properties.is_property_set("path"):
+            self.path = settings.anchor_path
+        if not self.properties.is_property_set("smooth"):
+            self.smooth = settings.smooth
+        scene = begin_shape(context)
+        plan = inbetweens.plan(scene, path=self.path, smooth=self.smooth)
+        return Job(partial(inbetweens.write, scene, plan), plan.solve)
+
+
+class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
+    bl_idname = "planar.remove_inbetweens"
+    bl_label = "Remove In-Betweens"
+    bl_description = "Take all generated shapes out: the poses and their timing are as before generating"
+
+    @classmethod
+    def refusal(cls, context):
+        reason = super().refusal(context)
+        if reason is None and not inbetweens.has_inbetweens(context.object):
+            return "There are no in-betweens: use Generate In-Betweens first"
+        return reason
+
+    def apply(self, context):
+        begin_shape(context)
+        inbetweens.remove(context.object)
+
+
+CLASSES = (PLANAR_OT_generate_inbetweens, PLANAR_OT_remove_inbetweens)
