@@ -10,6 +10,8 @@ import bpy
 
 from .model import solver_cache
 from .operators import (
+    bake,
+    breakdown,
     click,
     drag,
     inbetweens,
@@ -41,6 +43,7 @@ MODULES = (
     poses,
     inbetweens,
     pose_travel,
+    bake,
     digests,
     follow,
     snapshot,
@@ -54,6 +57,7 @@ MODULES = (
     poses_panel,
     interactive,
     long_operator,
+    breakdown,
 )
 
 

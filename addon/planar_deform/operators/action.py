@@ -14,7 +14,7 @@ from ..model import solver_cache, solving
 from ..model.frame import Array
 from ..model.pins import Holder
 from ..model.posing import PoseAction, Sample, Solved
-from ..scene import pins, snapshot
+from ..scene import modifiers, pins, snapshot
 from ..scene.access import Refusal, begin
 from . import keying
 
@@ -55,6 +55,9 @@ class SceneAction:
         """
         self.scene = begin(context, unkeyed=unkeyed)
         obj = context.object
+        covered = modifiers.covering(obj)
+        if covered is not None:
+            raise Refusal(covered)
         settings = obj.planar
         if pressed >= len(settings.pins):
             raise Refusal(f"There is no pin {pressed}: the object has {len(settings.pins)}")

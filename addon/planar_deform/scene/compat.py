@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import bpy
 
+# Of a property that is a path and may begin with "//", relative to the .blend.
+BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
+
 
 def curves_of(animation: bpy.types.AnimData | None) -> bpy.types.bpy_prop_collection | None:
     """The F-curves of a data-block's action; None when it has none.

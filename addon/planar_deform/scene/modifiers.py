@@ -38,3 +38,19 @@ def shifting(obj: bpy.types.Object) -> list[str]:
     return [
         modifier.name for modifier in obj.modifiers if modifier.show_viewport and modifier.type in DEFORMING
     ]
+
+
+def covering(obj: bpy.types.Object) -> str | None:
+    """Why a pose would not be seen, and what to do: a point cache is shown instead. None if none is."""
+    for modifier in obj.modifiers:
+        if (
+            modifier.type == "MESH_CACHE"
+            and modifier.show_viewport
+            and modifier.filepath
+            and modifier.deform_mode == "OVERWRITE"
+        ):
+            return (
+                f"Modifier '{modifier.name}' shows a point cache instead of the pose: "
+                "hide it in the viewport, or remove it"
+            )
+    return None

@@ -48,7 +48,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         layout = self.layout
         obj = context.object
         seen = snapshot.of_active(context)
-        reason = pose_refusal(obj) or (seen.refusal if seen is not None else None)
+        reason = pose_refusal(obj) or modifiers.covering(obj) or (seen.refusal if seen is not None else None)
         if reason is not None:
             lines(layout, reason, "INFO", context)
         if obj is None or obj.type != "MESH":

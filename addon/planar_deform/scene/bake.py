@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a pose sequence shows, frame by frame, kept in other ways.
+
+Each bake is a generator that yields the share done, so that who runs it may show progress. When it is
+exhausted, the bake is complete; closed before, or left by an exception, nothing has changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+
+from . import compat, point_cache, points, sequence
+from .errors import ObjectGone, Refusal
+from .pose_blocks import SAME_FRAME, keyed, own_curve, points_of
+from .shape import shape_refusal
+
+
+def refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why there is nothing that could be baked, and what to do; None when there is."""
+    reason = shape_refusal(obj)
+    if reason is None and not sequence.is_ours(obj):
+        return "No poses are keyed: use Key Pose first"
+    return reason
+
+
+def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
+    """Key a pose for each of these frames, evenly blended to the next one; what was keyed between them goes.
+
+    The curve's modifiers, which are in the poses then, go, too. Raises Refusal and ObjectGone.
+    """
+    again = _Again(obj)
+    shapes = {}
+    for share, shape in _shown(again, frames):
+        shapes[float(frames[len(shapes)])] = shape
+        yield 0.5 * share
+    for share in sequence.put_coordinates(again(), shapes, throughout=True):
+        yield 0.5 + 0.5 * share
+    keys = again().data.shape_keys
+    curve = own_curve(keys)
+    for modifier in [modifier for modifier in curve.modifiers if not modifier.mute]:
+        curve.modifiers.remove(modifier)
+    for point, frame in zip(curve.keyframe_points, keyed(keys)[:, 0], strict=True):
+        if frames[0] - SAME_FRAME < frame < frames[-1] - SAME_FRAME:
+            point.interpolation = "LINEAR"
+    curve.update()
+    sequence.show_frame(again())
+
+
+def to_point_cache(
+    obj: bpy.types.Object, frames: range, filepath: str, *, replace: bool = False, free: bool = False
+) -> Iterator[float]:
+    """Write what is shown at these frames to a .pc2 file, and let a Mesh Cache modifier play it.
+
+    `replace`: a file that is not the object's own cache may be replaced; `free`: the poses are taken away.
+    Raises Refusal and ObjectGone.
+    """
+    if obj.type != "MESH":
+        raise Refusal(f"'{obj.name}' is not a mesh: bake to Shapes or Relative Keys")
+    path = point_cache.checked_path(obj, filepath, replace=replace)
+    again = _Again(obj)
+    with point_cache.written(path, points.count(obj), frames) as file:
+        for share, shape in _shown(again, frames):
+            file.write(point_cache.sample(shape))
+            yield share
+    obj = again()
+    point_cache.play(obj, path, frames)
+    if free:
+        sequence.clear(obj)
+
+
+def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
+    """A relative shape key for each frame, each with a curve that blends it in and out; the poses go.
+
+    The Basis is the rest shape. Raises Refusal and ObjectGone.
+    """
+    again = _Again(obj)
+    shapes = []
+    for share, shape in _shown(again, frames):
+        shapes.append(shape)
+        yield share
+    obj = again()
+    rest = points_of(obj, obj.data.shape_keys.reference_key)
+    sequence.clear(obj)
+    if obj.data.shape_keys is not None:
+        obj.data.shape_keys.animation_data_clear()
+        obj.shape_key_clear()
+    points.write(obj, rest)
+    obj.shape_key_add(name="Basis", from_mix=False)
+    names = []
+    for frame, shape in zip(frames, shapes, strict=True):
+        block = obj.shape_key_add(name=f"Frame {frame}", from_mix=False)
+        points.write_block(block, shape)
+        names.append(block.name)
+    obj.active_shape_key_index = 0
+    _blend(obj, names, frames)
+    points.update(obj)
+
+
+def _blend(obj: bpy.types.Object, names: list[str], frames: range) -> None:
+    """Curves that bring each key from 0 at the frame before its own to 1 and back to 0 at the next one.
+
+    Before the first and after the last frame, these stay.
+    """
+    keys = obj.data.shape_keys
+    curves = compat.new_action(keys, f"{obj.name} Frames")
+    now = bpy.context.scene.frame_current_final
+    for name, frame in zip(names, frames, strict=True):
+        timing = [(frame, 1.0)]
+        if frame != frames[0]:
+            timing.insert(0, (frame - frames.step, 0.0))
+        if frame != frames[-1]:
+            timing.append((frame + frames.step, 0.0))
+        block = keys.key_blocks[name]
+        curve = curves.new(block.path_from_id("value"))
+        curve.keyframe_points.add(len(timing))
+        curve.keyframe_points.foreach_set("co", np.array(timing, np.float32).ravel())
+        linear = curve.keyframe_points[0].bl_rna.properties["interpolation"].enum_items["LINEAR"].value
+        curve.keyframe_points.foreach_set("interpolation", np.full(len(timing), linear, np.int32))
+        curve.update()
+        block.value = curve.evaluate(now)
+
+
+class _Again:
+    """Finds the object again, as references to Blender's data die with every undo."""
+
+    def __init__(self, obj: bpy.types.Object):
+        self._name, self._uid, self._count = obj.name, obj.session_uid, points.count(obj)
+
+    def __call__(self) -> bpy.types.Object:
+        obj = bpy.data.objects.get(self._name)
+        if obj is None or obj.session_uid != self._uid:
+            raise ObjectGone(f"'{self._name}' is gone")
+        if points.count(obj) != self._count or not sequence.is_ours(obj):
+            raise ObjectGone(f"The poses of '{self._name}' have changed")
+        return obj
+
+
+def _shown(again: _Again, frames: range) -> Iterator[tuple[float, np.ndarray]]:
+    """The share done and the shape, frame by frame."""
+    for done, frame in enumerate(frames, 1):
+        yield done / len(frames), sequence.shape_at(again(), frame)
