@@ -3,7 +3,7 @@
 
 import bpy
 import numpy as np
-from support import activate, coordinates, evaluated
+from support import activate, add_end_pins, bar, coordinates, evaluated, pose
 
 
 def go_to(frame):
@@ -28,6 +28,26 @@ def key(obj, frame, seed=None):
         write(obj, seed)
     assert bpy.ops.planar.key_pose() == {"FINISHED"}
     return evaluated(obj)
+
+
+def pull(obj, frame, offset):
+    """Pull the selected pins at a frame and key that; what is shown."""
+    activate(obj)
+    go_to(frame)
+    pose(obj, offset=offset)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    return evaluated(obj)
+
+
+def filled(**options):
+    """A bar that bends up and down, keyed at 1, 13 and 25, with its in-betweens."""
+    obj = bar(**options)
+    add_end_pins(obj)
+    key(obj, 1)
+    pull(obj, 13, (-0.3, 0.7))
+    pull(obj, 25, (0.1, -1.6))
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    return obj
 
 
 def shown_at(obj, frame):

@@ -21,7 +21,7 @@ from .. import native
 from ..model.work import Progress, Work
 from ..scene.access import ObjectGone, Refusal
 from .interactive import PASSED_ON
-from .posing_operator import PosingOperator
+from .posing_operator import ShapeOperator
 
 RATE = 1 / 60  # seconds between two looks
 SLICE = 0.01  # seconds of writing at a look
@@ -88,7 +88,7 @@ class LongRun:
 _running: LongRun | None = None
 
 
-class LongOperator(PosingOperator):
+class LongOperator(ShapeOperator):
     """Has a job to do, which `job(context)` reads the scene for. Raises Refusal, with nothing changed."""
 
     def apply(self, context):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import bpy
@@ -41,7 +41,7 @@ from .pose_blocks import (
 from .shape import SceneShape, is_outline, shape_refusal
 from .stretches import Stamps, Stretch, entries_of, has_inbetweens, mark, stale, stretches
 
-__all__ = ["Plan", "between", "has_inbetweens", "mark", "plan", "refusal", "remove", "stale", "write"]
+__all__ = ["Plan", "between", "has_inbetweens", "mark", "plan", "refusal", "remove", "stale", "way", "write"]
 
 Progress = Callable[[float], bool | None]
 
@@ -69,7 +69,7 @@ class Plan:
     times: list[float]  # of the keys: frames, without those over which a pose is held
     samples: list[int]  # of each transition k -> k + 1: how many to generate
     turns: list[int]
-    anchors: list[Indices | None]  # vertices whose mean moves on the path, part by part
+    held: list[Indices]  # vertices of each pin in each part
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
     # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
@@ -79,6 +79,37 @@ class Plan:
     kept: set[int] = field(default_factory=set)
     starts: list[float] = field(default_factory=list)
     dropped: list[float] = field(default_factory=list)
+
+    @property
+    def anchors(self) -> list[Indices | None]:
+        """Of each transition the vertices whose mean moves on the path: of planted pins, or else of all pins.
+
+        Each part goes by its own pins.
+        """
+        found: list[Indices | None] = []
+        for before, after in zip(self.keys, self.keys[1:], strict=False):
+            gaps = [
+                np.linalg.norm(before[rows].mean(axis=0) - after[rows].mean(axis=0)) for rows in self.held
+            ]
+            near = PLANTED * self.scene.diagonal
+            planted = [rows for rows, gap in zip(self.held, gaps, strict=True) if gap <= near]
+            parts = {int(self.scene.parts[rows[0]]) for rows in planted}
+            others = [rows for rows in self.held if int(self.scene.parts[rows[0]]) not in parts]
+            chosen = planted + others
+            found.append(np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None)
+        return found
+
+    def among(self, chosen: Sequence[int]) -> Plan:
+        """The way through some of the keys alone, for motion()."""
+        turns = [sum(self.turns[before:after]) for before, after in itertools.pairwise(chosen)]
+        return replace(
+            self,
+            shapes=[self.shapes[key] for key in chosen],
+            keys=[self.keys[key] for key in chosen],
+            times=[self.times[key] for key in chosen],
+            turns=turns,
+            samples=[0] * len(turns),
+        )
 
     def motion(
         self, first: int = 0, last: int | None = None, progress: Progress | None = None
@@ -203,19 +234,21 @@ def plan(
         result.samples.append(count)
     if not any(result.samples) and not result.kept:
         raise Refusal("There are no frames to fill between the poses: move their keys apart")
-    generated = sum(result.samples) + sum(found[entries_played[k].block].start.pose["generated"] for k in result.kept)
+    generated = sum(result.samples) + sum(
+        found[entries_played[k].block].start.pose["generated"] for k in result.kept
+    )
     if FIRST + SPACING * (len(entries) + generated) >= HOLD:
         raise Refusal(f"{generated} in-betweens are too many for one object: cut the shot into pieces")
     return result
 
 
-def between(scene: SceneShape, first: int, second: int) -> Plan:
-    """The way from one pose (by its index) to another; for motion() and coordinates(). Raises Refusal."""
+def between(scene: SceneShape, poses: Sequence[int], times: Sequence[float]) -> Plan:
+    """The way through some poses (indices) at these times; for motion() and coordinates(). Raises Refusal."""
     obj = scene.resolve()
-    poses = [obj.planar.poses[first], obj.planar.poses[second]]
-    shapes = [points_of(obj, block_at(obj.data.shape_keys, pose.at)) for pose in poses]
-    result = _plan_of(scene, obj, shapes, [poses[0].turns])
-    result.times, result.samples = [0.0, 1.0], [0]
+    chosen = [obj.planar.poses[pose] for pose in poses]
+    shapes = [points_of(obj, block_at(obj.data.shape_keys, pose.at)) for pose in chosen]
+    result = _plan_of(scene, obj, shapes, [pose.turns for pose in chosen[:-1]])
+    result.times = list(times)
     return result
 
 
@@ -282,43 +315,30 @@ def remove(obj: bpy.types.Object) -> None:
 
 def _plan_of(scene: SceneShape, obj: bpy.types.Object, shapes: list[np.ndarray], turns: list[int]) -> Plan:
     """A plan for these poses, without times and samples."""
-    keys = [scene.flattened(shape) for shape in shapes]
     return Plan(
         scene=scene,
         shapes=shapes,
-        keys=keys,
+        keys=[scene.flattened(shape) for shape in shapes],
         rest=scene.rest,
         elements=scene.elements,
         times=[],
         samples=[],
         turns=turns,
-        anchors=_anchors(scene, obj, keys),
+        held=_held(scene, obj),
         path=obj.planar.anchor_path,
         smooth=obj.planar.smooth,
     )
 
 
-def _anchors(scene: SceneShape, obj: bpy.types.Object, keys: list[Array]) -> list[Indices | None]:
-    """For each transition the vertices whose mean moves on the path: of planted pins, or else of all pins.
-
-    Each part goes by its own pins.
-    """
+def _held(scene: SceneShape, obj: bpy.types.Object) -> list[Indices]:
+    """The vertices of each enabled pin in each part."""
     pins = [] if is_outline(obj) else scene_pins.model_pins(obj, scene)
-    held = [
+    return [
         pin.vertices[scene.parts[pin.vertices] == part]
         for pin in pins
         if pin.enabled
         for part in np.unique(scene.parts[pin.vertices])
     ]
-    found: list[Indices | None] = []
-    for before, after in zip(keys, keys[1:], strict=False):
-        gaps = [np.linalg.norm(before[rows].mean(axis=0) - after[rows].mean(axis=0)) for rows in held]
-        planted = [rows for rows, gap in zip(held, gaps, strict=True) if gap <= PLANTED * scene.diagonal]
-        parts = {int(scene.parts[rows[0]]) for rows in planted}
-        others = [rows for rows in held if int(scene.parts[rows[0]]) not in parts]
-        chosen = planted + others
-        found.append(np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None)
-    return found
 
 
 def _times(entries: Sequence[Entry]) -> list[float]:
@@ -421,7 +441,9 @@ def _expand(obj: bpy.types.Object, plan: Plan, shown: Array) -> None:
     rows = pose_curve.rows(curve)
     old = np.array(plan.starts)
     was = offsets(rows, old, FIRST + SPACING * np.arange(len(old)), settings.curve_before)
-    entry = np.array([_entry_of(plan, *key) for key in zip(was.pose.tolist(), rows.keys[:, 0].tolist(), strict=True)])
+    entry = np.array(
+        [_entry_of(plan, *key) for key in zip(was.pose.tolist(), rows.keys[:, 0].tolist(), strict=True)]
+    )
     plain = FIRST + SPACING * np.arange(len(shown))
     pose_curve.write_rows(curve, moved(plain[entry][:, None] + was.values, plain, shown))
     before = Offsets(entry, was.values, was.sides, was.exact)
@@ -431,7 +453,11 @@ def _expand(obj: bpy.types.Object, plan: Plan, shown: Array) -> None:
 def _entry_of(plan: Plan, block: int, frame: float) -> int:
     """Which time that a block is played is meant by a key at a frame."""
     found = [index for index, entry in enumerate(plan.entries) if entry.block == block]
-    begun = [index for index in found if plan.entries[index].first is not None and plan.entries[index].first <= frame]
+    begun = [
+        index
+        for index in found
+        if plan.entries[index].first is not None and plan.entries[index].first <= frame
+    ]
     return (begun or found)[-1 if begun else 0]
 
 
