@@ -17,6 +17,7 @@ from .operators import (
     inbetweens,
     interactive,
     long_operator,
+    motion,
     pins,
     pose_travel,
     poses,
@@ -26,7 +27,7 @@ from .operators import (
     stiffness,
 )
 from .scene import digests, follow, onion, properties, snapshot
-from .ui import gizmos, onion_skin, overlay, panel, poses_panel, quality, tool
+from .ui import gizmos, motion_panel, onion_skin, overlay, panel, poses_panel, quality, tool
 
 # Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
 # unregister() where these are not all; those run with the classes in.
@@ -43,6 +44,7 @@ MODULES = (
     poses,
     inbetweens,
     pose_travel,
+    motion,
     bake,
     digests,
     follow,
@@ -55,6 +57,7 @@ MODULES = (
     onion_skin,
     panel,
     poses_panel,
+    motion_panel,
     interactive,
     long_operator,
     breakdown,

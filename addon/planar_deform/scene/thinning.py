@@ -36,7 +36,7 @@ class Thinning:
         self._scene = begin_shape(context)
         self._tolerance = tolerance
         self._times, self._fixed = _timing(context.object)
-        self._way = inbetweens.way(self._scene, range(len(self._times)), self._times)
+        self._way = inbetweens.between(self._scene, range(len(self._times)), self._times)
 
     def solve(self, progress: Progress) -> Thinned:
         """Which poses stay; for a thread."""
