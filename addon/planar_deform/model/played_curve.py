@@ -15,8 +15,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .frame import Array, Indices
+from .frame import Array, Indices, Mask
+
+Array32 = NDArray[np.float32]
 
 SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
 SAME_PLACE = 0.05
@@ -64,9 +67,9 @@ def moved(values: Array, old: Array, new: Array) -> Array:
 class Rows:
     """The keys of a curve as it stores them, float32."""
 
-    keys: np.ndarray  # k x 2: frame, value
-    left: np.ndarray  # k x 2, the handles
-    right: np.ndarray
+    keys: Array32  # k x 2: frame, value
+    left: Array32  # k x 2, the handles
+    right: Array32
 
 
 @dataclass(frozen=True)
@@ -75,8 +78,8 @@ class Offsets:
 
     pose: Indices  # k: the pose at or below the key
     values: Array  # k x 3: of the key and its two handles, from the place of that pose
-    sides: np.ndarray  # k x 2 float32: the frames of the handles
-    exact: np.ndarray  # k x 3 bool: which are to the bit what they were
+    sides: Array32  # k x 2 float32: the frames of the handles
+    exact: Mask  # k x 3 bool: which are to the bit what they were
 
 
 def offsets(rows: Rows, shown: Array, plain: Array, remembered: str) -> Offsets:

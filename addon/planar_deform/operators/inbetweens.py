@@ -19,8 +19,8 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
     bl_idname = "planar.generate_inbetweens"
     bl_label = "Generate In-Betweens"
     bl_description = (
-        "Fill the frames between the keyed poses, with as little distortion as possible. Timing stays a matter "
-        "of the poses' curve"
+        "Fill the frames between the keyed poses, with as little distortion as possible. Their timing stays "
+        "a matter of the curve"
     )
     bl_options = {"REGISTER", "UNDO"}
 

@@ -46,8 +46,9 @@ class Block:
     """A block of the played range, as it is or is to be."""
 
     name: str
-    shape: np.ndarray | Callable[[], np.ndarray] | None = None  # see scene/points.py; None: what `source` holds
-    source: float | None = None  # the place of the block of the file that it is, with Blender's settings of it
+    # See scene/points.py; a function makes it when it is written. None: what `source` holds.
+    shape: np.ndarray | Callable[[], np.ndarray] | None = None
+    source: float | None = None  # place of the block of the file that it is, with Blender's settings of it
     pose: Record | None = None  # of a listed pose: what the list keeps of it
     sample: bool = False  # generated, for the pose before it
     free: int = 0  # empty places before it, where the user has removed generated blocks
@@ -83,7 +84,7 @@ def blocks_of(obj: bpy.types.Object) -> list[Block]:
 
 
 def _generated_behind(obj: bpy.types.Object, present: set[float]) -> dict[float, int]:
-    """Generated places behind each pose, by its place; what was behind a pose that is lost falls to the last."""
+    """Generated places behind each pose, by its place; those of a pose that is lost are the last one's."""
     behind: dict[float, int] = {}
     latest = None
     for pose in obj.planar.poses:

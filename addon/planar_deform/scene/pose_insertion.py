@@ -104,9 +104,10 @@ def _keyed_only_there(blocks: list[Block], timeline: np.ndarray, frame: float) -
     """The pose that is keyed at this frame and at no other."""
     values = timeline[np.abs(timeline[:, 0] - frame) < SAME_FRAME, 1]
     for block in blocks:
-        if block.pose is None or block.source is None or not (np.abs(values - block.source) < SAME_PLACE).any():
+        if block.pose is None or block.source is None:
             continue
-        if (np.abs(timeline[:, 1] - block.source) < SAME_PLACE).sum() == 1:
+        there = (np.abs(values - block.source) < SAME_PLACE).any()
+        if there and (np.abs(timeline[:, 1] - block.source) < SAME_PLACE).sum() == 1:
             return block
     return None
 

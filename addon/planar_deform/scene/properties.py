@@ -158,7 +158,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
     )
     anchor_path: EnumProperty(
         name="Path",
-        description="Way of the planted pins, else of all pins, else of the middle, from one pose to the next",
+        description="Way from pose to pose of planted pins, else of all pins, else of the middle",
         items=PATHS,
     )
     smooth: BoolProperty(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stretches of a pose sequence from one pose to the next: what is generated there, and whether it is stale."""
+"""The stretches of a pose sequence, from one pose to the next: what is generated there, what is stale."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Stamps:
         return self.digest((pose if original is None else original).at)
 
     def of(self, digests: Sequence[str], transition: int, turns: int, path: str, smooth: bool) -> str:
-        """The stamp of what is generated behind one of the poses that have these digests, in order of time."""
+        """The stamp of what is generated behind one of the poses with these digests, in order of time."""
         chain = list(digests[transition : transition + 2])
         if smooth:  # then the neighbours' poses count as well
             chain += digests[max(0, transition - 1) : transition]
