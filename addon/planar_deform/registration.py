@@ -8,6 +8,7 @@ from functools import partial
 
 import bpy
 
+from . import batch
 from .model import solver_cache
 from .operators import (
     bake,
@@ -46,6 +47,7 @@ MODULES = (
     pose_travel,
     motion,
     bake,
+    batch,
     digests,
     follow,
     snapshot,

@@ -46,6 +46,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             column.prop(obj.planar, "show_onion", text="", icon="ONIONSKIN_ON")
         row = layout.row(align=True)
         row.operator("planar.key_pose", icon="KEY_HLT")
+        row.operator("planar.breakdown", icon="ARROW_LEFTRIGHT")
         row.operator("planar.record_pins", icon="REC")
         row = layout.row(align=True)
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")

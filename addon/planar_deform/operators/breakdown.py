@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pose on the way from one keyed pose to the next, chosen by sliding the mouse, and keyed."""
+
+from __future__ import annotations
+
+import contextlib
+import traceback
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.props import BoolProperty, FloatProperty
+
+from .. import native
+from ..model.breakdown import FURTHEST, WIDTH, Slider, limited
+from ..scene import breakdown, snapshot
+from ..scene.access import ObjectGone, Refusal
+from ..scene.breakdown import Way
+from .interactive import PASSED_ON, put_away, put_up
+from .keying import key_shown
+from .poses import PoseListOperator
+
+KEYS = (
+    "Move Left or Right: Slide   LMB or Enter: Key   Esc or RMB: Cancel   Shift: Precise   Ctrl: Snap   "
+    "E: Overshoot   Digits: Type the Percentage"
+)
+CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
+
+
+class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
+    bl_idname = "planar.breakdown"
+    bl_label = "Breakdown"
+    bl_description = (
+        "Key a pose on the way between the poses keyed before and behind the current frame; "
+        "move the mouse left or right to choose how far"
+    )
+    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
+
+    percent: FloatProperty(
+        name="Percentage",
+        description="How far the pose is on its way from the one before to the one behind",
+        subtype="PERCENTAGE",
+        default=50.0,
+        min=-100.0 * FURTHEST,
+        max=100.0 * (1.0 + FURTHEST),
+        soft_min=0.0,
+        soft_max=100.0,
+        options={"SKIP_SAVE"},
+    )
+    overshoot: BoolProperty(
+        name="Overshoot", description="Let the percentage go beyond the two poses", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def refusal(cls, context):
+        reason = super().refusal(context)
+        return reason or breakdown.refusal(context.object, context.scene.frame_current_final)
+
+    def apply(self, context):
+        try:
+            way = Way(context)
+        except native.SolveError as error:
+            raise Refusal(str(error)) from error
+        try:
+            way.show(self._share)
+            key_shown(context, kind="BREAKDOWN")
+        except Refusal:
+            way.restore()
+            raise
+        finally:
+            snapshot.release()
+
+    @property
+    def _share(self) -> float:
+        return limited(self.percent / 100.0, overshoot=self.overshoot)
+
+    # ---- by mouse and keys
+
+    def invoke(self, context, event):
+        global _running
+        if context.screen is not None and context.screen.is_animation_playing:
+            self.report({"ERROR"}, "A breakdown is of one frame: stop the timeline first")
+            return {"CANCELLED"}
+        try:
+            self._way = Way(context)
+        except (Refusal, native.SolveError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        width = WIDTH * context.preferences.system.ui_scale
+        self._slider = Slider.begin(self._way.start, event.mouse_x, width, overshoot=self.overshoot)
+        _running = self._way
+        put_up(context, KEYS, cursor="SCROLL_X")
+        context.window_manager.modal_handler_add(self)
+        return self._guarded(self._show, context)
+
+    def modal(self, context, event):
+        if context.scene.frame_current_final != self._way.frame:
+            _interrupt()  # as any unkeyed pose, it has gone with its frame
+        if _running is not self._way:
+            return self._stop()
+        return self._guarded(self._handle, context, event)
+
+    def cancel(self, context):
+        """Blender ends the operator itself: another file is loaded, the window closes."""
+        self._stop()
+
+    def _handle(self, context, event):
+        pressed = event.value == "PRESS"
+        if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
+            return self._stop()
+        if (event.type == "LEFTMOUSE" and event.value == "RELEASE") or (event.type in CONFIRM and pressed):
+            key_shown(context, kind="BREAKDOWN")
+            return self._leave({"FINISHED"})
+        if event.type.startswith(PASSED_ON):
+            return {"PASS_THROUGH"}
+        slider = self._slider.held(shift=event.shift, ctrl=event.ctrl)
+        if event.type == "MOUSEMOVE":
+            slider = slider.moved(event.mouse_x)
+        elif pressed:
+            slider = slider.pressed(event.type) or slider
+        if slider != self._slider:
+            self._slider = slider
+            return self._show(context)
+        return {"RUNNING_MODAL"}
+
+    def _show(self, context):
+        self.overshoot = self._slider.overshoot
+        self.percent = 100.0 * self._slider.share
+        self._way.show(self._share)  # as the property has it, so that the redo panel gives the same bits
+        if context.area is not None:
+            context.area.header_text_set(self._slider.text)
+        return {"RUNNING_MODAL"}
+
+    def _guarded(self, step, *arguments):
+        """Do this; nothing is left half done, whatever goes wrong."""
+        try:
+            return step(*arguments)
+        except ObjectGone:
+            return self._leave({"CANCELLED"})
+        except (Refusal, native.SolveError) as error:
+            self.report({"ERROR"}, str(error))
+            return self._stop()
+        except Exception as error:  # Blender would call again and again
+            traceback.print_exc()
+            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            return self._stop()
+
+    def _stop(self):
+        """End it with everything as it was."""
+        with contextlib.suppress(ObjectGone):
+            if _running is self._way:  # else what it changed is gone
+                self._way.restore()
+        return self._leave({"CANCELLED"})
+
+    def _leave(self, result):
+        global _running
+        if _running is self._way:
+            _running = None
+        snapshot.release()
+        put_away()
+        return result
+
+
+_running: Way | None = None
+
+
+@persistent
+def _interrupt(*_):
+    """Undo in another window, another file: what is shown goes."""
+    global _running
+    _running = None
+
+
+HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _interrupt)
+
+
+def unregister() -> None:
+    """The add-on is turned off, perhaps in the middle of a breakdown."""
+    if _running is not None:
+        with contextlib.suppress(ObjectGone):
+            _running.restore()
+        snapshot.release()
+        put_away()
+    _interrupt()
+
+
+CLASSES = (PLANAR_OT_breakdown,)
