@@ -7,7 +7,6 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ..scene import bake, compat, point_cache
-from ..scene.access import Refusal
 from .long_operator import Job, LongOperator
 
 FORMS = (
@@ -31,16 +30,30 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
     bl_description = "Keep what the poses show, with their timing and in-betweens, frame by frame"
 
     to: EnumProperty(name="To", description="What the frames become", items=FORMS)
-    frame_start: IntProperty(name="First Frame", description="By default the scene's, or its preview's")
-    frame_end: IntProperty(name="Last Frame", description="By default the scene's, or its preview's")
+    # Of the next bake, perhaps of another object, nothing here is taken for granted.
+    frame_start: IntProperty(
+        name="First Frame",
+        description="First frame to bake; by default the scene's, or its preview's",
+        options={"SKIP_SAVE"},
+    )
+    frame_end: IntProperty(
+        name="Last Frame",
+        description="Last frame to bake; by default the scene's, or its preview's",
+        options={"SKIP_SAVE"},
+    )
     frame_step: IntProperty(
-        name="Step", description="Frames from one baked frame to the next", default=1, min=1, soft_max=12
+        name="Step",
+        description="Frames from one baked frame to the next",
+        default=1,
+        min=1,
+        soft_max=12,
+        options={"SKIP_SAVE"},
     )
     filepath: StringProperty(
         name="File",
         description="File of the point cache; by default the object's own, beside the .blend",
         subtype="FILE_PATH",
-        options=compat.BLEND_RELATIVE,
+        options={"SKIP_SAVE"} | compat.BLEND_RELATIVE,
     )
     replace: BoolProperty(
         name="Replace File",
@@ -50,6 +63,7 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
     free: BoolProperty(
         name="Remove Poses",
         description="Take the poses away when they are in a point cache, so that the .blend is small",
+        options={"SKIP_SAVE"},
     )
 
     @classmethod
@@ -78,27 +92,19 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
     def job(self, context):
         obj = context.object
         self._complete(context)
-        if self.frame_end < self.frame_start:
-            raise Refusal("The last frame is before the first one: exchange them")
-        frames = range(self.frame_start, self.frame_end + 1, self.frame_step)
+        frames = bake.frames_of(self.frame_start, self.frame_end, self.frame_step)
         return Job(write=lambda _: self._bake(obj, frames), summary=lambda _: self._summary(frames))
 
     def _bake(self, obj, frames):
-        if self.to == "POINT_CACHE":
-            yield from bake.to_point_cache(obj, frames, self.filepath, replace=self.replace, free=self.free)
-            self.replace = True  # in the redo panel it is the file of this very bake
-        elif self.to == "RELATIVE_KEYS":
-            yield from bake.to_relative_keys(obj, frames)
-        else:
-            yield from bake.to_shapes(obj, frames)
+        yield from bake.to(self.to, obj, frames, self.filepath, replace=self.replace, free=self.free)
+        self.replace = True  # in the redo panel the file is that of this very bake
 
     def _complete(self, context):
         """Give what is not said its default, so that the redo panel shows it."""
-        scene = context.scene
-        preview = scene.use_preview_range
+        first, last = bake.frame_range(context.scene)
         defaults = {
-            "frame_start": scene.frame_preview_start if preview else scene.frame_start,
-            "frame_end": scene.frame_preview_end if preview else scene.frame_end,
+            "frame_start": first,
+            "frame_end": last,
             "filepath": point_cache.default_path(context.object),
         }
         for name, value in defaults.items():

@@ -17,6 +17,8 @@ from .errors import ObjectGone, Refusal
 from .pose_blocks import SAME_FRAME, keyed, own_curve, points_of
 from .shape import shape_refusal
 
+FORMS = ("SHAPES", "POINT_CACHE", "RELATIVE_KEYS")
+
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
     """Why there is nothing that could be baked, and what to do; None when there is."""
@@ -24,6 +26,35 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
     if reason is None and not sequence.is_ours(obj):
         return "No poses are keyed: use Key Pose first"
     return reason
+
+
+def frame_range(scene: bpy.types.Scene) -> tuple[int, int]:
+    """The first and the last frame that the timeline plays."""
+    if scene.use_preview_range:
+        return scene.frame_preview_start, scene.frame_preview_end
+    return scene.frame_start, scene.frame_end
+
+
+def frames_of(first: int, last: int, step: int) -> range:
+    """The frames to bake. Raises Refusal if there are none."""
+    if last < first:
+        raise Refusal("The last frame is before the first one: exchange them")
+    return range(first, last + 1, step)
+
+
+def to(
+    form: str,
+    obj: bpy.types.Object,
+    frames: range,
+    filepath: str,
+    *,
+    replace: bool = False,
+    free: bool = False,
+) -> Iterator[float]:
+    """Bake to one of FORMS; what is behind the frames is for point caches."""
+    if form == "POINT_CACHE":
+        return to_point_cache(obj, frames, filepath, replace=replace, free=free)
+    return to_shapes(obj, frames) if form == "SHAPES" else to_relative_keys(obj, frames)
 
 
 def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:

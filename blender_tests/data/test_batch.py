@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The headless command: what it does, what it says, and its exit codes."""
+
+import bpy
+import numpy as np
+import pytest
+from sequences import key, same, shown_at, stored
+from support import activate, add_end_pins, bar, make_object
+
+
+def run(capsys, *arguments):
+    """The exit code, and the lines of stdout and stderr."""
+    from planar_deform import batch
+
+    capsys.readouterr()
+    code = batch.run([str(argument) for argument in arguments])
+    output = capsys.readouterr()
+    ours = [line for line in output.out.splitlines() if line.startswith("planar: ")]
+    return code, ours, output.err.splitlines()
+
+
+@pytest.fixture
+def shot(tmp_path):
+    """A saved file in which two bars have three poses each, and a third one has none."""
+    for name in ("One", "Two"):
+        obj = bar(name=name)
+        add_end_pins(obj)
+        for seed, frame in enumerate((1, 9, 17)):
+            key(obj, frame, seed)
+    bar(name="Still")
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 17
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    return tmp_path / "shot.blend"
+
+
+def opened(path):
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    return bpy.data.objects
+
+
+def test_all_objects_with_poses_are_generated_baked_and_saved(shot, capsys):
+    code, lines, errors = run(capsys, "--generate", "--bake", "point_cache", "--save")
+    assert (code, errors) == (0, [])
+    for line in (
+        "planar: One: solving in-betweens: 100 %",
+        "planar: Two: writing in-betweens: 100 %",
+        "planar: Two: baking frames 1 to 17: 50 %",
+        f"planar: saved {shot}",
+    ):
+        assert line in lines
+    objects = opened(shot)
+    for name in ("One", "Two"):
+        assert len(objects[name].data.shape_keys.key_blocks) == 2 + 3 + 14
+        assert objects[name].modifiers[0].filepath == f"//{name}_planar.pc2"
+    assert not objects["Still"].modifiers
+    assert len(list(shot.parent.glob("*.pc2"))) == 2
+
+
+def test_it_does_what_the_operators_do(shot, capsys):
+    obj = opened(shot)["One"]
+    activate(obj)
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    shown = [shown_at(obj, frame) for frame in range(1, 18)]
+    opened(shot)
+    bpy.context.view_layer.objects.active = None
+    assert run(capsys, "--object", "One", "--generate")[0] == 0
+    obj = bpy.data.objects["One"]
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in enumerate(shown, 1))
+
+
+def test_one_object_into_a_file_of_its_own(shot, capsys):
+    untouched = stored(bpy.data.objects["Two"])
+    before = shot.read_bytes()
+    folder = shot.parent / "out"
+    folder.mkdir()
+    arguments = ["--object", "One", "--bake", "SHAPES", "--start", 3, "--end", 9, "--step", 2]
+    assert run(capsys, *arguments, "--save", folder / "one.blend")[0] == 0
+    assert shot.read_bytes() == before
+    objects = opened(folder / "one.blend")
+    assert len(objects["One"].planar.poses) == 6  # at 1, 3, 5, 7, 9, 17
+    assert stored(objects["Two"]) == untouched
+
+
+def test_a_point_cache_where_it_is_told(shot, capsys, monkeypatch):
+    monkeypatch.chdir(shot.parent)
+    (shot.parent / "caches").mkdir()
+    arguments = ["--object", "One", "--bake", "POINT_CACHE", "--filepath", "caches/one", "--free"]
+    assert run(capsys, *arguments)[0] == 0
+    obj = bpy.data.objects["One"]
+    assert obj.modifiers[0].filepath == "//caches/one.pc2"
+    assert obj.data.shape_keys is None
+    assert np.isfinite(shown_at(obj, 9)).all()
+    opened(shot)
+    code, _, errors = run(capsys, *arguments)  # the file of another run, which was not saved
+    assert code == 1
+    assert "choose another name" in errors[0]
+    assert run(capsys, *arguments, "--replace")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--object", "Nobody", "--generate"], "There is no object 'Nobody'"),
+        (["--object", "One", "--object", "Still", "--generate"], "Still: Key two poses first"),
+        (["--object", "Still", "--bake", "SHAPES"], "Still: No poses are keyed"),
+        (["--bake", "SHAPES", "--start", "9", "--end", "3"], "One: The last frame is before"),
+        (["--object", "One", "--bake", "POINT_CACHE", "--filepath", "/proc/x"], "One: '/proc/x.pc2' cannot"),
+        (["--generate", "--save", "/proc/x.blend"], "/proc/x.blend"),
+    ],
+)
+def test_a_refusal_is_exit_code_1_with_its_reason_and_nothing_saved(shot, capsys, arguments, message):
+    before = shot.read_bytes()
+    code, lines, errors = run(capsys, *arguments, *([] if "--save" in arguments else ["--save"]))
+    assert code == 1
+    assert any(line.startswith("planar: ") and message in line for line in errors)
+    assert not any("saved" in line for line in lines)
+    assert shot.read_bytes() == before
+    assert [path.name for path in shot.parent.iterdir()] == ["shot.blend"]
+
+
+def test_a_file_without_poses_is_refused(capsys):
+    make_object([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    code, _, errors = run(capsys, "--generate")
+    assert code == 1
+    assert "key some" in errors[0]
+
+
+def test_a_file_that_was_never_saved_needs_a_path(capsys):
+    obj = bar()
+    key(obj, 1)
+    key(obj, 5, 1)
+    code, _, errors = run(capsys, "--generate", "--save")
+    assert code == 1
+    assert "give --save a path" in errors[0]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["--save"],
+        ["--object", "One"],
+        ["--bake", "GIF"],
+        ["--bake", "SHAPES", "--filepath", "x.pc2"],
+        ["--bake", "SHAPES", "--free"],
+        ["--bake", "POINT_CACHE", "--filepath", "x.pc2"],
+        ["--generate", "--step", "0"],
+        ["--generate", "--start", "one"],
+        ["--generate", "--colour"],
+        ["One", "--generate"],
+    ],
+)
+def test_wrong_usage_is_exit_code_2(shot, capsys, arguments):
+    before = stored(bpy.data.objects["One"])
+    code, lines, errors = run(capsys, *arguments)
+    assert code == 2
+    assert lines == []
+    assert errors[0].startswith("usage: blender -b FILE.blend --command planar")
+    assert stored(bpy.data.objects["One"]) == before
+
+
+def test_an_error_of_our_own_is_exit_code_1_with_its_traceback(shot, capsys, monkeypatch):
+    from planar_deform.scene import inbetweens
+
+    monkeypatch.delattr(inbetweens, "plan")
+    code, _, errors = run(capsys, "--generate", "--save")
+    assert code == 1
+    assert "Traceback" in errors[0]
+
+
+def test_main_ends_blender_with_the_code(shot, monkeypatch):
+    from planar_deform import batch
+
+    with pytest.raises(SystemExit) as end:
+        batch.main(["--help"])
+    assert end.value.code == 0
+    monkeypatch.setattr("sys.argv", ["blender", "-b", "x.blend", "--", "--object", "One", "--generate"])
+    with pytest.raises(SystemExit) as end:
+        batch.main()
+    assert end.value.code == 0
+    assert len(bpy.data.objects["One"].data.shape_keys.key_blocks) == 2 + 3 + 14
