@@ -116,6 +116,19 @@ def test_stopped_and_closed_everything_is_as_it_was():
         assert stored(obj) == before
 
 
+def test_the_pose_that_is_shown_may_go():
+    from planar_deform.scene import sequence
+
+    obj = recorded()
+    go_to(36)
+    before = evaluated(obj)
+    assert bpy.ops.planar.thin_poses(tolerance=0.03) == {"FINISHED"}
+    assert sequence.pose_at(obj, 36) is None
+    assert not same(evaluated(obj), before)
+    assert same(evaluated(obj), shown_at(obj, 36))
+    assert np.abs(evaluated(obj) - before).max() < 0.03 * size(obj)
+
+
 def test_one_undo_step_and_the_last_shape_stays_in_view():
     obj = recorded()
     shape = evaluated(obj)

@@ -33,10 +33,10 @@ class Thinning:
         reason = sequence.refusal(context.object) or thin_refusal(context)
         if reason is not None:
             raise Refusal(reason)
-        self._scene = begin_shape(context)
+        self._scene = begin_shape(context, unkeyed=True)  # the pose that is shown may go
         self._tolerance = tolerance
         self._times, self._fixed = _timing(context.object)
-        self._way = inbetweens.between(self._scene, range(len(self._times)), self._times)
+        self._way = inbetweens.way(self._scene, range(len(self._times)), self._times)
 
     def solve(self, progress: Progress) -> Thinned:
         """Which poses stay; for a thread."""

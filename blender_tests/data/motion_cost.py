@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a long motion costs: 1000 frames of a sheet of 5041 vertices between four poses, and as a recording.
+
+    .venv/bin/python blender_tests/data/motion_cost.py [FRAMES [SIDE]]
+
+"solve" is what runs in the thread. "write" is done in Blender's own, a block at a time: its longest step and
+its whole time are told. Memory is that of the process, before and after.
+"""
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "addon"))
+from support import activate, grid, make_object
+
+import planar_deform
+from planar_deform.operators.long_operator import Job
+
+
+def resident() -> float:
+    """MB of the process."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
+
+
+def bent(rest: np.ndarray, turn: float) -> np.ndarray:
+    """n x 2 points of a sheet about the origin, bent to an arc that turns by so much from end to end."""
+    radius = np.ptp(rest[:, 0]) / turn
+    angle = rest[:, 0] / radius
+    return np.stack(
+        [(radius - rest[:, 1]) * np.sin(angle), radius - (radius - rest[:, 1]) * np.cos(angle)], axis=1
+    )
+
+
+def measure(name, make, summary=lambda job, solved: ""):
+    """Run a job as an operator does, and print what it takes."""
+    before, start = resident(), time.perf_counter()
+    job = make()
+    planned = time.perf_counter()
+    solved = job.solve(lambda share: True)
+    done, longest = time.perf_counter(), 0.0
+    writing = job.write(solved)
+    while True:
+        step = time.perf_counter()
+        if next(writing, None) is None:
+            break
+        longest = max(longest, time.perf_counter() - step)
+    last = time.perf_counter() - step
+    written = time.perf_counter()
+    print(
+        f"{name:24}{planned - start:8.2f}{done - planned:8.2f}{written - done:8.2f}"
+        f"{1e3 * longest:10.1f}{1e3 * last:10.1f}{before:9.0f}{resident():9.0f}  {summary(job, solved)}",
+        flush=True,
+    )
+
+
+def sheet(side: int) -> bpy.types.Object:
+    vertices, faces = grid(side, side, 4.0, 4.0, origin=(-2.0, -2.0))
+    return make_object(vertices, faces.tolist(), name="Sheet")
+
+
+def key(obj, turns: dict[float, float]) -> None:
+    from planar_deform.scene import sequence
+    from planar_deform.scene.shape import begin_shape
+
+    activate(obj)
+    scene = begin_shape(bpy.context)
+    rest = scene.rest
+    sequence.put(scene, {frame: bent(rest, turn) for frame, turn in turns.items()})
+
+
+def main() -> None:
+    last, side = (int(text) for text in (*sys.argv[1:], "1000", "70")[:2])
+    planar_deform.register()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    from planar_deform.scene import inbetweens
+    from planar_deform.scene.sequence_edit import SequenceEdit
+    from planar_deform.scene.shape import begin_shape
+    from planar_deform.scene.thinning import Thinning
+    from planar_deform.scene.transfer import Transfer
+
+    obj = sheet(side)
+    key(obj, {1: 0.3, last // 3: 1.6, 2 * last // 3: -1.2, last: 0.8})
+    print(f"{last} frames, {len(obj.data.vertices)} vertices; seconds, ms, MB")
+    print(f"{'':24}{'read':>8}{'solve':>8}{'write':>8}{'longest':>10}{'last':>10}{'before':>9}{'after':>9}")
+
+    scene = begin_shape(bpy.context)
+    plan = inbetweens.plan(scene)
+    measure(
+        "Generate In-Betweens", lambda: Job(lambda shapes: inbetweens.write(scene, plan, shapes), plan.solve)
+    )
+    for compress in (False, True):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "motion.blend"
+            bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=compress, copy=True)
+            print(f"file{' (compressed)' if compress else ''}: {path.stat().st_size / 1e6:.1f} MB")
+    start = time.perf_counter()
+    for frame in range(1, 101):
+        bpy.context.scene.frame_set(frame)
+    print(f"frame change: {1e1 * (time.perf_counter() - start):.2f} ms")
+
+    twin = sheet(side)
+    activate(obj)
+    twin.select_set(True)
+    measure("Transfer Motion", lambda: Transfer(bpy.context))
+    activate(obj)
+    bpy.context.scene.frame_set(last // 2)
+    scene = begin_shape(bpy.context)
+    scene.write(scene.positions + 0.1 * np.sin(2.0 * scene.positions[:, ::-1]))
+    measure("Edit Sequence", lambda: SequenceEdit(bpy.context, False))
+
+    recording = sheet(side)
+    time_of = np.arange(1, last + 1)
+    key(recording, dict(zip(time_of.tolist(), 0.1 + 1.5 * np.sin(time_of / 40.0) ** 2, strict=True)))
+    measure("Thin Poses", lambda: Thinning(bpy.context, 0.01), lambda job, solved: job.summary(solved))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    finally:
+        planar_deform.unregister()
