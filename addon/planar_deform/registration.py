@@ -28,7 +28,17 @@ from .operators import (
     stiffness,
 )
 from .scene import digests, follow, onion, properties, snapshot
-from .ui import gizmos, motion_panel, onion_skin, overlay, panel, poses_panel, quality, tool
+from .ui import (
+    bake_panel,
+    gizmos,
+    motion_panel,
+    onion_skin,
+    overlay,
+    panel,
+    poses_panel,
+    quality,
+    tool,
+)
 
 # Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
 # unregister() where these are not all; those run with the classes in.
@@ -60,6 +70,7 @@ MODULES = (
     panel,
     poses_panel,
     motion_panel,
+    bake_panel,
     interactive,
     long_operator,
     breakdown,
