@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import IntProperty
+from bpy.props import FloatProperty, IntProperty
 
-from ..scene import modifiers, sequence
+from ..scene import modifiers, pose_list, sequence
 from ..scene.access import Refusal
+from ..scene.shape import begin_shape
 from .keying import key_shown
 from .posing_operator import ShapeOperator
 
@@ -85,4 +86,64 @@ class PLANAR_OT_clear_poses(PoseListOperator, bpy.types.Operator):
         sequence.clear(context.object)
 
 
-CLASSES = (PLANAR_OT_key_pose, PLANAR_OT_delete_pose, PLANAR_OT_jump_to_pose, PLANAR_OT_clear_poses)
+class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):
+    bl_idname = "planar.update_pose"
+    bl_label = "Update Pose"
+    bl_description = "Replace a pose by what is shown"
+
+    def act(self, context, pose):
+        scene = begin_shape(context)
+        pose_list.give_shape(context.object, pose, scene.coordinates(scene.positions))
+
+
+class PoseAtFrameOperator(OnePoseOperator):
+    """Works on one pose and a frame."""
+
+    frame: FloatProperty(name="Frame", description="Frame to use; by default the current one")
+
+    def apply(self, context):
+        if not self.properties.is_property_set("frame"):
+            self.frame = context.scene.frame_current_final
+        super().apply(context)
+
+
+class PLANAR_OT_duplicate_pose(PoseAtFrameOperator, bpy.types.Operator):
+    bl_idname = "planar.duplicate_pose"
+    bl_label = "Duplicate Pose"
+    bl_description = "Key a pose once more at the current frame, as a pose of its own"
+
+    def act(self, context, pose):
+        pose_list.duplicate(context.object, pose, self.frame)
+
+
+class PLANAR_OT_retime_pose(PoseAtFrameOperator, bpy.types.Operator):
+    bl_idname = "planar.retime_pose"
+    bl_label = "Move Pose to Frame"
+    bl_description = "Show a pose at the current frame, and no longer where it was, also past other poses"
+
+    def act(self, context, pose):
+        pose_list.retime(context.object, pose, self.frame)
+
+
+class PLANAR_OT_step_poses(PoseListOperator, bpy.types.Operator):
+    bl_idname = "planar.step_poses"
+    bl_label = "Step Poses"
+    bl_description = "Show every frame for this many frames: 2 is on twos, 1 shows each one"
+
+    step: IntProperty(name="Step", description="Frames for which each one stays", default=2, min=1, max=100)
+
+    def apply(self, context):
+        begin_shape(context)
+        pose_list.set_step(context.object, self.step)
+
+
+CLASSES = (
+    PLANAR_OT_key_pose,
+    PLANAR_OT_delete_pose,
+    PLANAR_OT_jump_to_pose,
+    PLANAR_OT_clear_poses,
+    PLANAR_OT_update_pose,
+    PLANAR_OT_duplicate_pose,
+    PLANAR_OT_retime_pose,
+    PLANAR_OT_step_poses,
+)

@@ -12,11 +12,11 @@ import numpy as np
 
 from ..model.frame import Array
 from ..model.played_curve import SAME_PLACE, Offsets, moved, offsets, remember
-from . import digests, playback, points, pose_curve, sequence
+from . import digests, playback, pose_curve, sequence
 from .errors import ObjectGone, Refusal
 from .inbetween_plan import Plan
-from .playback import Block
-from .pose_blocks import FIRST, SCRATCH, SPACING, keyed, own_curve
+from .playback import Block, sample_name
+from .pose_blocks import FIRST, SPACING, keyed, own_curve
 from .shape import SceneShape
 from .stretches import Stamps, Stretch, stretches
 
@@ -40,7 +40,7 @@ def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Iterator[fl
         _expand(obj, plan, playback.places_of(blocks)[starts])
 
     yield from playback.relay(obj, blocks, then)
-    _show(scene.resolve(), was_unkeyed)
+    sequence.show(scene.resolve(), was_unkeyed)
 
 
 def remove(obj: bpy.types.Object) -> None:
@@ -79,7 +79,7 @@ def remove(obj: bpy.types.Object) -> None:
     for index, pose in enumerate(settings.poses):
         if active in folded and pose.at == at[folded[active]]:
             settings.active_pose = index
-    _show(obj, was_unkeyed)
+    sequence.show(obj, was_unkeyed)
 
 
 def _blocks(
@@ -124,7 +124,7 @@ def _blocks(
             share = (sample + 1) / (count + 1)
             shape = partial(plan.coordinates, transition, share, next(waiting))
             source = before[sample].source if before else None
-            blocks.append(Block(_sample_name(start.name, sample + 1), shape, source, sample=True))
+            blocks.append(Block(sample_name(start.name, sample + 1), shape, source, sample=True))
     return blocks, starts
 
 
@@ -133,12 +133,6 @@ def _free_name(name: str, taken: set[str]) -> str:
     found = next(name for name in names if name not in taken)
     taken.add(found)
     return found
-
-
-def _sample_name(pose: str, number: int) -> str:
-    """A name that tells where it belongs, no longer than Blender's names can be."""
-    behind = f" +{number}"
-    return pose.encode()[: 63 - len(behind)].decode(errors="ignore") + behind
 
 
 def _drop_keys(obj: bpy.types.Object, dropped: Sequence[float]) -> None:
@@ -191,13 +185,3 @@ def _order_before(found: list[Stretch]) -> list[Stretch]:
             latest = stretch.start.pose["order_before"]
         ranks.append(latest)
     return [found[index] for index in sorted(range(len(found)), key=lambda index: ranks[index])]
-
-
-def _show(obj: bpy.types.Object, was_unkeyed: bool) -> None:
-    """Show the frame, or the unkeyed pose, which Blender takes back for all animation has been marked."""
-    digests.forget()
-    sequence.show_frame(obj)
-    if was_unkeyed:
-        bpy.context.view_layer.update()
-        obj.data.shape_keys.eval_time = SCRATCH
-        points.update(obj)

@@ -108,6 +108,12 @@ def places_of(blocks: Sequence[Block]) -> Array:
     return np.asarray(FIRST + SPACING * (steps - steps[0]) if len(steps) else steps)
 
 
+def sample_name(pose: str, number: int) -> str:
+    """A name that tells where it belongs, no longer than Blender's names can be."""
+    behind = f" +{number}"
+    return pose.encode()[: 63 - len(behind)].decode(errors="ignore") + behind
+
+
 def run(steps: Iterator[float]) -> None:
     """Do all of something that is done step by step."""
     for _ in steps:

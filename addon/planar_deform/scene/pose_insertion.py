@@ -42,9 +42,9 @@ def insert(
             continue
         earlier = timeline[timeline[:, 0] < frame - SAME_FRAME]
         follows_new = latest is not None and not (len(earlier) and earlier[-1, 0] > latest)
-        behind = new[latest] if follows_new else _shown(blocks, earlier)
-        new[frame] = _put_in(keys, blocks, behind, frame, has_earlier=len(earlier) > 0)
-        new[frame].shape = shapes[frame]
+        behind = new[latest] if follows_new else shown_before(blocks, earlier)
+        new[frame] = Block("", shapes[frame], pose={})
+        put_in(keys, blocks, new[frame], behind, frame, earlier)
         latest = frame
     _name(keys, new)
     at = places_of(blocks).tolist()
@@ -112,7 +112,7 @@ def _keyed_only_there(blocks: list[Block], timeline: np.ndarray, frame: float) -
     return None
 
 
-def _shown(blocks: list[Block], earlier: np.ndarray) -> Block | None:
+def shown_before(blocks: list[Block], earlier: np.ndarray) -> Block | None:
     """The last block that is not behind what the last of these keys shows."""
     if not len(earlier):
         return None
@@ -121,24 +121,27 @@ def _shown(blocks: list[Block], earlier: np.ndarray) -> Block | None:
     return passed[-1] if passed else None
 
 
-def _put_in(
-    keys: bpy.types.Key, blocks: list[Block], behind: Block | None, frame: float, *, has_earlier: bool
-) -> Block:
-    """Put a new pose in behind a block (None: first), and behind what is generated and shown before it."""
+def put_in(
+    keys: bpy.types.Key,
+    blocks: list[Block],
+    new: Block,
+    behind: Block | None,
+    frame: float,
+    earlier: np.ndarray,
+) -> None:
+    """Put a pose for a frame in behind a block (None: first), and behind what is generated and shown earlier.
+
+    It takes the place of the generated shape that is shown at the frame. `earlier`: the keys before that.
+    """
     index = 0 if behind is None else blocks.index(behind) + 1
-    new = Block("", pose={})
-    if has_earlier and index < len(blocks) and blocks[index].sample:
-        value = pose_curve.value_at(keys, frame)
-        while index < len(blocks) and blocks[index].sample and blocks[index].source < value - SAME_PLACE:
-            index += 1
-        if index < len(blocks) and blocks[index].sample and blocks[index].source < value + SAME_PLACE:
-            new.free = blocks[index].free
-            blocks[index] = new
-            return new
+    value = pose_curve.value_at(keys, frame) if len(earlier) else -np.inf
+    while index < len(blocks) and blocks[index].sample and blocks[index].source < value - SAME_PLACE:
+        index += 1
+    if index < len(blocks) and blocks[index].sample and blocks[index].source < value + SAME_PLACE:
+        new.free = blocks[index].free
+        blocks[index] = new
+        return
     blocks.insert(index, new)
-    if index == 0 and len(blocks) > 1:
-        blocks[1].free = 0
-    return new
 
 
 def _name(keys: bpy.types.Key, new: Mapping[float, Block]) -> None:

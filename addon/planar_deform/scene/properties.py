@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -15,7 +17,10 @@ from bpy.props import (
     StringProperty,
 )
 
-from .pose_blocks import FIRST, block_at
+from . import pose_list, sequence
+from .errors import Refusal
+from .pose_blocks import FIRST
+from .shape import shape_refusal
 
 KINDS = (
     ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
@@ -64,11 +69,22 @@ class PlanarPin(bpy.types.PropertyGroup):
 
 
 def _rename_block(pose: PlanarPose, _context: bpy.types.Context) -> None:
-    if pose.at < FIRST:
-        return  # the list is being put together
-    block = block_at(pose.id_data.data.shape_keys, pose.at)
-    if block is not None and block.name != pose.name:
-        block.name = pose.name
+    if pose.at >= FIRST:  # otherwise the list is being put together
+        pose_list.rename_blocks(pose.id_data, pose)
+
+
+def _frame_of(pose: PlanarPose) -> float:
+    frames = sequence.frames_at(pose.id_data, pose.at)
+    return frames[0] if frames else 0.0
+
+
+def _retime(pose: PlanarPose, frame: float) -> None:
+    """What cannot be done is not, as with any number that has its bounds."""
+    obj = pose.id_data
+    if shape_refusal(obj) is None and sequence.is_ours(obj):
+        index = next(index for index, other in enumerate(obj.planar.poses) if other.at == pose.at)
+        with contextlib.suppress(Refusal):
+            pose_list.retime(obj, index, frame)
 
 
 class PlanarPose(bpy.types.PropertyGroup):
@@ -76,6 +92,14 @@ class PlanarPose(bpy.types.PropertyGroup):
 
     name: StringProperty(name="Name", description="Name of the pose and its shape key", update=_rename_block)
     at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see scene/sequence.py
+    frame: FloatProperty(
+        name="Frame",
+        description="Frame at which the pose is shown: the first of its keys on the curve",
+        get=_frame_of,
+        set=_retime,
+        step=100,
+        precision=0,
+    )
     # Of the way to the next pose, see scene/inbetweens.py.
     generated: IntProperty(options={"HIDDEN"})  # places of generated shapes
     stamp: StringProperty(options={"HIDDEN"})  # what they were made from

@@ -123,10 +123,13 @@ def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
 
 def frames_of(obj: bpy.types.Object, pose: int) -> list[float]:
     """The frames at which a keyed pose stands on the curve, in order."""
+    return frames_at(obj, obj.planar.poses[pose].at)
+
+
+def frames_at(obj: bpy.types.Object, place: float) -> list[float]:
+    """The frames at which keys of the curve have this value, in order."""
     timeline = keyed(obj.data.shape_keys)
-    frames: list[float] = timeline[
-        np.abs(timeline[:, 1] - obj.planar.poses[pose].at) < SAME_PLACE, 0
-    ].tolist()
+    frames: list[float] = timeline[np.abs(timeline[:, 1] - place) < SAME_PLACE, 0].tolist()
     return frames
 
 
@@ -304,6 +307,18 @@ def show_frame(obj: bpy.types.Object) -> None:
     if curve is not None:
         keys.eval_time = curve.evaluate(bpy.context.scene.frame_current_final)
     points.update(obj)
+
+
+def show(obj: bpy.types.Object, was_unkeyed: bool) -> None:
+    """After the curve has changed: show the frame, or again the unkeyed pose that was shown.
+
+    Blender reads the curve anew after it has been edited, and would take the unkeyed pose back.
+    """
+    show_frame(obj)
+    if was_unkeyed:
+        bpy.context.view_layer.update()
+        obj.data.shape_keys.eval_time = SCRATCH
+        points.update(obj)
 
 
 def begin_sequence(obj: bpy.types.Object, rest: np.ndarray) -> None:
