@@ -496,3 +496,12 @@ def test_all_shape_keys_removed_by_the_user():
     shape = key(obj, 5, 1)
     assert names(obj) == ["Pose"]
     assert same(shown_at(obj, 5), shape)
+
+
+def test_a_pose_without_a_key_is_deleted_and_the_others_are_shown_as_before():
+    obj, shapes = keyed_bar()
+    curve = curve_of(obj)
+    curve.keyframe_points.remove(curve.keyframe_points[0])
+    shown_at(obj, 25)
+    assert bpy.ops.planar.delete_pose(pose=0) == {"FINISHED"}
+    assert all(same(shown_at(obj, frame), shapes[frame]) for frame in (25, 49))

@@ -47,6 +47,7 @@ from .pose_blocks import (
     blended,
     block_at,
     keyed,
+    own_curve,
     places,
     played,
     points_of,
@@ -240,6 +241,9 @@ def remove(obj: bpy.types.Object, pose: int) -> None:
         keys = obj.data.shape_keys
         pose_curve.remove_keys(keys, np.abs(keyed(keys)[:, 1] - place) < SAME_PLACE)
         playback.follow(obj, old, new)
+        curve = own_curve(keys)
+        if curve is not None:
+            curve.update()  # of a pose without keys none were removed
 
     blocks = [block for block in playback.blocks_of(obj) if block.source != place]
     playback.run(playback.relay(obj, pose_insertion.close_up(blocks), then))
