@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <string>
 #include <thread>
 #include <utility>
@@ -64,17 +63,14 @@ Drag mouse_drag(const char* name, Shape shape, int moves) {
 }
 
 /// A published pose of a character: all pins straight to their targets in 20 events, and back.
-Drag pose_drag(const char* name, const std::filesystem::path& folder, std::size_t pose) {
-  auto [vertices, triangles] = characters::read_obj(folder / (std::string(name) + ".obj"));
-  const std::vector<Points> poses = characters::read_poses(folder / (std::string(name) + ".json"));
-  const Points& source = poses.at(2 * pose);
-  const double diagonal = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
-  std::vector<int> pins = characters::nearest_vertices(vertices, source);
-  Shape shape{std::move(vertices), std::move(triangles), std::move(pins), diagonal};
+Drag pose_drag(const char* name, characters::Character character, std::size_t number) {
+  const characters::Pose& pose = character.poses.at(number);
+  const double diagonal = character.diagonal();
+  Shape shape{std::move(character.vertices), std::move(character.triangles), pose.handles, diagonal};
   std::vector<Points> targets;
   for (int event = 0; event < 40; ++event) {
     const double share = 1.0 - std::abs(event - 20) / 20.0;
-    targets.emplace_back(pin_positions(shape) + share * (poses.at(2 * pose + 1) - source));
+    targets.emplace_back(pose.start + share * (pose.targets - pose.start));
   }
   return {name, std::move(shape), std::move(targets), 100};
 }
@@ -150,7 +146,6 @@ void print_drags() {
   struct Size {
     int n, moves;
   };
-  const std::filesystem::path folder = PLANAR_TEST_DATA;
   for (const Method& method : {Method{"hold", PoserMethod::hold}, Method{"akvf", PoserMethod::akvf}}) {
     double at_5k = 0.0, at_100k = 0.0;
     for (const Size& size : {Size{1000, 200}, {5000, 140}, {10000, 80}, {50000, 12}, {100000, 4}}) {
@@ -162,8 +157,8 @@ void print_drags() {
       print_drag(method, mouse_drag("figure", figure(size.n), size.moves));
     }
     for (const char* name : {"elephant", "giraffe", "horse", "racoon"}) {
-      if (std::filesystem::exists(folder / (std::string(name) + ".json"))) {
-        print_drag(method, pose_drag(name, folder, 0));
+      if (auto character = characters::read(PLANAR_TEST_DATA, name)) {
+        print_drag(method, pose_drag(name, std::move(*character), 0));
       }
     }
     std::printf("%-6sa move grows from 5k to 100k vertices of the square with exponent %.2f\n\n", method.name,

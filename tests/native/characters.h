@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -71,6 +72,35 @@ inline std::vector<int> nearest_vertices(const Points& vertices, const Points& p
     result.push_back(static_cast<int>(nearest));
   }
   return result;
+}
+
+/// Handles, which are vertices, where they are at rest, and where they go.
+struct Pose {
+  std::vector<int> handles;
+  Points start, targets;
+};
+
+struct Character {
+  Points vertices;
+  Triangles triangles;
+  std::vector<Pose> poses;
+
+  double diagonal() const { return (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm(); }
+};
+
+/// Nothing if the folder does not have it.
+inline std::optional<Character> read(const std::filesystem::path& folder, const std::string& name) {
+  if (!std::filesystem::exists(folder / (name + ".json"))) return {};
+  auto [vertices, triangles] = read_obj(folder / (name + ".obj"));
+  const std::vector<Points> points = read_poses(folder / (name + ".json"));
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
+    Pose pose{nearest_vertices(vertices, points[i]), {}, {}};
+    pose.start = vertices(pose.handles, Eigen::all);
+    pose.targets = pose.start + points[i + 1] - points[i];
+    poses.push_back(std::move(pose));
+  }
+  return Character{std::move(vertices), std::move(triangles), std::move(poses)};
 }
 
 }  // namespace planar::characters

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "characters.h"
 #include "planar/distortion.h"
 #include "planar/poser.h"
@@ -23,18 +21,14 @@ struct Pose {
 class Character : public ::testing::TestWithParam<Pose> {
  protected:
   void SetUp() override {
-    const std::filesystem::path folder = PLANAR_TEST_DATA;
-    const std::string name = GetParam().character;
-    if (!std::filesystem::exists(folder / (name + ".json")))
-      GTEST_SKIP() << "no " << name << " in " << folder;
-    const auto [vertices, triangles] = characters::read_obj(folder / (name + ".obj"));
-    shape = {vertices, triangles};
-    const std::vector<Points> poses = characters::read_poses(folder / (name + ".json"));
-    const Points& source = poses.at(2 * GetParam().number);
-    handles = at(shape, characters::nearest_vertices(vertices, source));
-    start = handles.positions(shape.vertices);
-    targets = start + poses.at(2 * GetParam().number + 1) - source;
-    diagonal = (shape.vertices.colwise().maxCoeff() - shape.vertices.colwise().minCoeff()).norm();
+    const auto character = characters::read(PLANAR_TEST_DATA, GetParam().character);
+    if (!character) GTEST_SKIP() << "no " << GetParam().character << " in " << PLANAR_TEST_DATA;
+    const characters::Pose& pose = character->poses.at(GetParam().number);
+    shape = {character->vertices, character->triangles};
+    handles = at(shape, pose.handles);
+    start = pose.start;
+    targets = pose.targets;
+    diagonal = character->diagonal();
   }
   Shape shape;
   Handles handles;
