@@ -9,6 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..scene import inbetweens
+from ..scene.flat_object import settle
 from ..scene.properties import PATHS
 from ..scene.shape import begin_shape
 from .long_operator import Job, LongOperator
@@ -57,7 +58,7 @@ class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
         return reason
 
     def apply(self, context):
-        begin_shape(context)
+        settle(context)
         inbetweens.remove(context.object)
 
 

@@ -8,6 +8,7 @@ from bpy.props import FloatProperty, IntProperty
 
 from ..scene import modifiers, pose_list, sequence
 from ..scene.access import Refusal
+from ..scene.flat_object import settle
 from ..scene.shape import begin_shape
 from .keying import key_shown
 from .posing_operator import ShapeOperator
@@ -133,7 +134,7 @@ class PLANAR_OT_step_poses(PoseListOperator, bpy.types.Operator):
     step: IntProperty(name="Step", description="Frames for which each one stays", default=2, min=1, max=100)
 
     def apply(self, context):
-        begin_shape(context)
+        settle(context)
         pose_list.set_step(context.object, self.step)
 
 

@@ -102,8 +102,13 @@ class FlatObject:
         return self.frame.flatten(places - self._origin)
 
     def flattened(self, shape: np.ndarray) -> Array:
-        """Plane coordinates n x 2 of any shape of the object, see scene/points.py."""
-        return self.from_local(shape[self.vertex_indices, :3].astype(np.float64))
+        """Plane coordinates n x 2 of any shape of the object, see scene/points.py. Raises Refusal."""
+        places = shape[self.vertex_indices, :3].astype(np.float64)
+        if not np.isfinite(places).all():
+            raise Refusal(
+                f"A pose of '{self.object_name}' has coordinates that are not numbers: delete that pose"
+            )
+        return self.from_local(places)
 
     def coordinates(self, positions: Array) -> np.ndarray:
         """The shape, see scene/points.py, in which the object shows n x 2 positions.

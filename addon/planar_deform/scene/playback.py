@@ -195,11 +195,16 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
     active_at = moved.get(poses[active].at) if 0 <= active < len(poses) else None
     poses.clear()
     latest = None
+    # A new pose may have the name of one that is gone, which others repeated.
+    there = {block.name for block in blocks if block.pose is not None and block.source is not None}
     for block, place in zip(blocks, at.tolist(), strict=True):
         if latest is not None and (block.sample or block.pose is not None):
             latest.generated += block.free + block.sample
         if block.pose is not None:
-            latest = _add_pose(obj, place, {**block.pose, "name": block.name, "generated": 0})
+            record = {**block.pose, "name": block.name, "generated": 0}
+            if record.get("copy_of") not in there:
+                record["copy_of"] = ""
+            latest = _add_pose(obj, place, record)
     for index, pose in enumerate(poses):
         if pose.at == active_at:
             obj.planar.active_pose = index
