@@ -202,3 +202,63 @@ def test_a_pose_edited_in_edit_mode_makes_its_stretches_stale(kind):
     assert inbetweens.stale(obj) == []
     assert np.abs(shown_at(obj, 5) - old - [0.25, 0.0, 0.0]).max() < 0.01
     assert np.abs(shown_at(obj, 15) - shown).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["edge soup", "3D curve"])
+def test_breakdown_and_thinning(kind):
+    obj = lines(kind)
+    shapes = posed(obj)
+    go_to(5)
+    assert bpy.ops.planar.breakdown(percent=50.0) == {"FINISHED"}
+    middle = evaluated(obj)
+    generate()
+    assert same(shown_at(obj, 5), middle)
+    # The breakdown is on the way: without it, the same frames come out.
+    with_it = [shown_at(obj, frame) for frame in range(1, 22)]
+    assert bpy.ops.planar.thin_poses(tolerance=0.02) == {"FINISHED"}
+    assert len(timing(obj)) == 3
+    for frame, shape in enumerate(with_it, 1):
+        assert np.abs(shown_at(obj, frame) - shape).max() < 0.02 * max(obj.dimensions)
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
+
+
+@pytest.mark.parametrize("kind", ["edge soup", "3D curve"])
+def test_an_edited_sequence_and_its_transfer(kind):
+    obj = lines(kind)
+    posed(obj)
+    generate()
+    go_to(5)
+    swirl(obj, 0.2)
+    posed_there = evaluated(obj)
+    assert bpy.ops.planar.edit_sequence() == {"FINISHED"}
+    assert same(shown_at(obj, 5), posed_there)
+    target = lines(kind, name="Target")
+    target.location.x = 9.0
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.planar.transfer_motion() == {"FINISHED"}
+    for frame in range(1, 22):
+        assert np.abs(shown_at(target, frame) - shown_at(obj, frame)).max() < 1e-6
+
+
+@pytest.mark.parametrize("to", ["SHAPES", "RELATIVE_KEYS"])
+def test_a_baked_curve_keeps_its_radii(to):
+    obj = lines("3D curve")
+    posed(obj)
+    for point in obj.data.shape_keys.key_blocks[-1].data:  # as in Edit Mode
+        point.radius *= 3.0
+    generate()
+    frames = range(1, 22, 4)
+    shown = {frame: (shown_at(obj, frame), tube(obj)) for frame in frames}
+    assert bpy.ops.planar.bake(to=to, frame_start=1, frame_end=21, frame_step=4) == {"FINISHED"}
+    for frame, (shape, thick) in shown.items():
+        assert np.abs(shown_at(obj, frame) - shape).max() < 1e-6
+        assert np.abs(tube(obj) - thick).max() < 1e-5
+
+
+def tube(obj):
+    """The surface of the curve made thick, which tells its radii."""
+    obj.data.bevel_depth = 0.1
+    surface = evaluated(obj)
+    obj.data.bevel_depth = 0.0
+    return surface
