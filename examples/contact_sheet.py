@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
 import bpy
 import numpy as np
@@ -71,21 +72,22 @@ def prepare_scene(scene: bpy.types.Scene) -> None:
 
 
 @contextmanager
-def silenced_blender() -> Iterator[None]:
-    """Drops what Blender's C code prints while it renders and saves, a line for each sample."""
+def silenced_blender() -> Iterator[TextIO]:
+    """Drops what Blender's C code prints while it renders and saves, a line for each sample.
+
+    Gives where to print meanwhile.
+    """
     sys.stdout.flush()
-    kept = os.dup(1)
-    with Path(os.devnull).open("w") as nowhere:
+    with os.fdopen(os.dup(1), "w") as kept, Path(os.devnull).open("w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        try:
+            yield kept
+        finally:
+            os.dup2(kept.fileno(), 1)
 
 
-def render(scene: bpy.types.Scene, view: View) -> Image.Image:
-    """The scene through a view, transparent where there is nothing."""
+def place_camera(scene: bpy.types.Scene, view: View) -> None:
+    """Makes the scene's pictures show the view."""
     camera = scene.camera
     camera.data.ortho_scale = max(view.width, view.height) * view.unit
     camera.location = (
@@ -94,6 +96,11 @@ def render(scene: bpy.types.Scene, view: View) -> Image.Image:
         view.bottom + 0.5 * view.height * view.unit,
     )
     scene.render.resolution_x, scene.render.resolution_y = view.width, view.height
+
+
+def render(scene: bpy.types.Scene, view: View) -> Image.Image:
+    """The scene through a view, transparent where there is nothing."""
+    place_camera(scene, view)
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "view.png")
         with silenced_blender():

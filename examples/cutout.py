@@ -132,7 +132,7 @@ def build(name: str, layers: Sequence[Layer], spacing: float, pixels_per_unit: f
     mesh.from_pydata(points.tolist(), [], triangles.tolist())
     uv = pixels / np.array(sheet.size)
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", uv[triangles.ravel()].astype(np.float32).ravel())
-    mesh.materials.append(_material(name, sheet))
+    mesh.materials.append(material(name, sheet))
     mesh.update()
     return bpy.data.objects.new(name, mesh)
 
@@ -164,7 +164,8 @@ def _texture(meshes: Sequence[LayerMesh], scale: float) -> tuple[Image.Image, li
     return sheet, offsets
 
 
-def _material(name: str, sheet: Image.Image) -> bpy.types.Material:
+def material(name: str, sheet: Image.Image) -> bpy.types.Material:
+    """A picture that shines by itself, so that it is rendered in its own colours; clear where it is clear."""
     image = bpy.data.images.new(f"{name} Texture", *sheet.size, alpha=True)
     pixels = np.asarray(sheet, np.float32)[::-1] / 255
     image.pixels.foreach_set(np.ascontiguousarray(pixels).ravel())

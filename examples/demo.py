@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws two characters, pins and poses them in Blender with the add-on's operators, and renders them.
 
-Their poses are keyed on the timeline. Then one of them is posed by both methods, to compare them.
+Their poses are keyed on the timeline. One of them is posed by both methods, to compare them. Then the frames
+between the poses are generated, and a film of them is rendered.
 
-Run by `make demo`. Writes out/demo.blend and out/contact_sheet.png; with --pictures FOLDER also the docs'
-pictures.
+Run by `make demo`. Writes out/demo.blend, out/contact_sheet.png, out/demo.mp4 and out/film_sheet.png; with
+--pictures FOLDER also the docs' pictures.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,13 +22,15 @@ import numpy as np
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
-APART = 20  # frames from one keyed pose to the next
+APART = 24  # frames from one keyed pose to the next
 sys.path.insert(0, str(ROOT / "addon"))
 
+import arcs  # noqa: E402
 import comparison  # noqa: E402
 import contact_sheet  # noqa: E402
 import cutout  # noqa: E402
 import dragon  # noqa: E402
+import film  # noqa: E402
 import fox  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
@@ -37,6 +40,8 @@ from contact_sheet import View  # noqa: E402
 from drawing import Layer  # noqa: E402
 
 Cell = tuple[str, str, Image.Image]  # label, note, picture
+STAGE = View.around(4.85, -0.55, 6.1, 1120, 464)  # what the film shows
+SHEET_STEP = 4  # frames from one picture of the film's sheet to the next
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,10 @@ class Character:
     view: View  # relative to where it stands
     ground: tuple[int, int, int]
     columns: int
+    stance: float  # how wide it stands on the ground
+    swing: tuple[int, int]  # the poses between which something swings far, counted from rest
+    swinging: Sequence[str]  # pins there
+    swing_view: View
     trials: Sequence[Trial] = ()
     trial_view: View | None = None
 
@@ -60,9 +69,11 @@ def characters() -> list[Character]:
     """The cast of the demo."""
     return [
         Character("Lantern Fox", fox.layers(), fox.PINS, fox.POSES, 0.052, 0.0,
-                  View.around(0.0, -0.4, 5.9, 420, 560), (205, 228, 224), 4),
-        Character("River Dragon", dragon.layers(), dragon.PINS, dragon.POSES, 0.060, 8.0,
-                  View.around(0.0, -0.45, 5.5, 858, 470), (248, 222, 196), 2,
+                  View.around(0.0, -0.4, 5.9, 420, 560), (205, 228, 224), 4, 2.2,
+                  (1, 2), ("Near Hand", "Tail Tip", "Lantern"), View.around(0.05, -0.35, 4.7, 350, 320)),
+        Character("River Dragon", dragon.layers(), dragon.PINS, dragon.POSES, 0.060, 7.4,
+                  View.around(0.0, -0.45, 5.5, 858, 470), (248, 222, 196), 2, 5.4,
+                  (2, 3), ("Tail Fin", "Head"), View.around(-0.35, -0.4, 5.6, 350, 200),
                   dragon.TRIALS, View.around(-0.2, -0.55, 6.6, 420, 300)),
     ]  # fmt: skip
 
@@ -87,29 +98,42 @@ def run(pictures: Path | None) -> None:
     print(f"Blender {bpy.app.version_string}, planar_native {info['version']} with {info['backend']}")
     contact_sheet.prepare_scene(bpy.context.scene)
     cast = characters()
-    bpy.context.scene.frame_end = 1 + APART * max(len(character.poses) for character in cast)
+    poses = 2 + max(len(character.poses) for character in cast)  # with rest before and behind
+    bpy.context.scene.frame_end = 1 + APART * (poses - 1) + film.HOLD
 
     rows: list[list[Cell]] = []
     compared: list[list[Cell]] = []
+    images: dict[str, Image.Image] = {}  # for the docs
     for character in cast:
         obj = build(character)
         cells = perform(character, obj)
         rows += [cells[i : i + character.columns] for i in range(0, len(cells), character.columns)]
+        bpy.context.scene.frame_set(2)  # where no pose is keyed that the comparison would change
         compared += [compare(character, obj, trial) for trial in character.trials]
+        fill_in(obj)
         bpy.context.scene.frame_set(1)
+        if pictures:
+            images[f"arcs_{character.name.split()[-1].lower()}"] = swing(character, obj)
         obj.select_set(False)
-    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared)
 
     out = ROOT / "out"
     out.mkdir(exist_ok=True)
+    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared)
     sheet.save(out / "contact_sheet.png", optimize=True)
+    film_sheet = make_film(cast, out / "demo.mp4")
+    film_sheet.save(out / "film_sheet.png", optimize=True)
     show_front_view()
     bpy.context.preferences.filepaths.save_version = 0  # no demo.blend1 beside it
     with contact_sheet.silenced_blender():
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
     if pictures:
-        save_pictures(pictures, sheet, rows, compared)
-    print(f"Wrote out/demo.blend and out/contact_sheet.png; {time.perf_counter() - start:.1f} s in all")
+        images |= {"contact_sheet": sheet, "film": film_sheet}
+        images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
+        images["methods"] = contact_sheet.sheet("The same drags by both methods", compared)
+        images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
+        save_pictures(pictures, images)
+    wrote = ("demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png")
+    print(f"Wrote {', '.join(f'out/{name}' for name in wrote)}; {time.perf_counter() - start:.1f} s in all")
 
 
 def build(character: Character) -> bpy.types.Object:
@@ -154,7 +178,66 @@ def perform(character: Character, obj: bpy.types.Object) -> list[Cell]:
             f"distortion {words(measure)} (2 is none)"
         )
         cells.append((pose.name, words(measure), picture(character, obj)))
+    puppet.key_rest(obj, frame=1 + APART * (1 + len(character.poses)))
     return cells
+
+
+def fill_in(obj: bpy.types.Object) -> None:
+    """Times the keyed poses and generates the frames between them; prints how many and how good they are."""
+    film.time_poses(obj)
+    blocks = len(obj.data.shape_keys.key_blocks)
+    start = time.perf_counter()
+    bpy.ops.planar.generate_inbetweens()
+    seconds = time.perf_counter() - start
+    made = len(obj.data.shape_keys.key_blocks) - blocks
+    print(f"  {made} in-betweens generated in {seconds:.2f} s; {travelled(obj)}")
+
+
+def travelled(obj: bpy.types.Object) -> str:
+    """The worst of all frames in words, beside the worst keyed pose."""
+    scene = bpy.context.scene
+    scene.frame_set(1)
+    rest, faces = puppet.shown_points(obj), triangles(obj)
+    keyed, shown, flipped = 2.0, 2.0, 0
+    for frame in range(scene.frame_start, scene.frame_end + 1):
+        scene.frame_set(frame)
+        measure = planar_native.distortion(rest, puppet.shown_points(obj), faces)
+        shown, flipped = max(shown, measure.angle), max(flipped, measure.flipped)
+        if (frame - 1) % APART == 0:
+            keyed = max(keyed, measure.angle)
+    return f"angle distortion up to {shown:.3f}, of the keyed poses {keyed:.3f}, {flipped} flipped"
+
+
+def swing(character: Character, obj: bpy.types.Object) -> Image.Image:
+    """The character between two of its poses, blended and generated."""
+    rest = puppet.shown_points(obj)
+    places = puppet.pin_points(obj)
+    marked = [int(np.hypot(*(rest - places[name]).T).argmin()) for name in character.swinging]
+    names = [obj.planar.poses[pose].name for pose in character.swing]
+    motions = arcs.generated(obj, character.swing)
+    view, ground = character.swing_view, character.ground
+    rows = arcs.rows(obj, motions, marked, view, ground, rest, triangles(obj))
+    return contact_sheet.sheet(f"From {names[0]} to {names[1]}", rows)
+
+
+def make_film(cast: Sequence[Character], path: Path) -> Image.Image:
+    """Renders the film of what is on the timeline; a sheet of its frames."""
+    scene = bpy.context.scene
+    stage = film.build_stage(STAGE, {character.x: character.stance for character in cast})
+    scene.collection.objects.link(stage)
+    film.prepare(scene, STAGE)
+    frames = film.shoot(scene, path, SHEET_STEP)
+    stage.hide_set(True)  # in the viewport, where the characters are posed
+    marks = {
+        1 + APART * number: " / ".join(names)
+        for number, names in enumerate(zip(*(pose_names(character) for character in cast), strict=True))
+    }
+    return film.sheet("Keyed poses, and the frames generated between them", frames, marks, columns=4)
+
+
+def pose_names(character: Character) -> list[str]:
+    """What a character is keyed in, in the order of time."""
+    return ["Rest", *(pose.name for pose in character.poses), "Rest"]
 
 
 def compare(character: Character, obj: bpy.types.Object, trial: Trial) -> list[Cell]:
@@ -202,7 +285,7 @@ def picture(character: Character, obj: bpy.types.Object, with_mesh: bool = False
 
 def show_front_view() -> None:
     """Makes the saved file open on the characters from the front, their drawing shown, the fox active."""
-    objects = [obj for obj in bpy.data.objects if obj.type == "MESH"]
+    objects = [obj for obj in bpy.context.view_layer.objects if obj.type == "MESH" and obj.visible_get()]
     for obj in objects:
         obj.select_set(obj == objects[0])
     bpy.context.view_layer.objects.active = objects[0]
@@ -216,19 +299,18 @@ def show_front_view() -> None:
                 region = space.region_3d
                 region.view_rotation = bpy.context.scene.camera.rotation_euler.to_quaternion()
                 region.view_perspective = "ORTHO"
-                region.view_location = (4.2, 0.0, 2.1)
+                region.view_location = (4.8, 0.0, 2.1)
                 region.view_distance = 14.0
 
 
-def save_pictures(
-    folder: Path, sheet: Image.Image, rows: list[list[Cell]], compared: list[list[Cell]]
-) -> None:
-    """The README's and docs' pictures, small: the whole sheet, the fox alone, the methods alone."""
+def save_pictures(folder: Path, images: Mapping[str, Image.Image]) -> None:
+    """Pictures for the docs by name, no wider than a page needs, as JPEG."""
     folder.mkdir(parents=True, exist_ok=True)
-    fox_only = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
-    methods = contact_sheet.sheet("The same drags by both methods", compared)
-    for name, image in {"contact_sheet": sheet, "fox": fox_only, "methods": methods}.items():
-        image.save(folder / f"{name}.jpg", quality=85, optimize=True)
+    for name, image in images.items():
+        width = min(image.width, 1500)
+        size = (width, round(width * image.height / image.width))
+        small = image.resize(size, Image.Resampling.LANCZOS)
+        small.save(folder / f"{name}.jpg", quality=85, optimize=True)
 
 
 if __name__ == "__main__":

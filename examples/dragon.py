@@ -272,17 +272,17 @@ PINS = (
 
 POSES = (
     Pose("Rear Up", {
-        "Shoulders": 30, "Neck": 54, "Throat": 40, "Head": 4, "Rump": 12, "Hind": 4, "Tail": -30,
-        "Tail Fin": -64, "Fore Foot": 66, "Hind Foot": 4,
-    }, step=(0.2, -0.06)),
+        "Shoulders": 40, "Neck": 68, "Throat": 62, "Head": 14, "Rump": 22, "Hind": 12, "Tail": -30,
+        "Tail Fin": -74, "Fore Foot": 84, "Hind Foot": 0,
+    }, step=(-0.1, 0.2), stands={"Hind Foot": (0.0, 0.0)}),
     Pose("Leap", {
         "Shoulders": -22, "Neck": -56, "Throat": -62, "Head": -40, "Rump": 20, "Hind": 44, "Tail": 58,
         "Tail Fin": 40, "Fore Foot": -44, "Hind Foot": 46,
-    }, step=(0.0, 1.6)),
+    }, step=(0.0, 1.75)),
     Pose("Coil", {
-        "Shoulders": 10, "Neck": 26, "Throat": 40, "Head": -6, "Rump": -8, "Hind": -60, "Tail": -122,
-        "Tail Fin": -170, "Fore Foot": 4, "Hind Foot": -10,
-    }, step=(0.2, -0.30)),
+        "Shoulders": 10, "Neck": 26, "Throat": 40, "Head": -6, "Rump": -8, "Hind": -60, "Tail": -126,
+        "Tail Fin": -180, "Fore Foot": 0, "Hind Foot": 0,
+    }, step=(0.0, -0.16), stands={"Fore Foot": (0.0, 0.0), "Hind Foot": (0.0, 0.0)}),
 )  # fmt: skip
 
 TRIALS = (

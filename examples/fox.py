@@ -380,19 +380,19 @@ PINS = (
 )
 
 POSES = (
-    Pose("Stride", {
-        "Hips": -4, "Chest": -6, "Head": 4, "Near Knee": -30, "Near Foot": -64, "Far Knee": 30,
-        "Far Foot": 14, "Tail Middle": -14, "Tail Tip": -40, "Far Elbow": 2, "Far Hand": 18, "Lantern": 12,
-        "Near Elbow": 42, "Near Hand": 84,
-    }, step=(-0.1, -0.24)),
     Pose("Wave", {
         "Hips": 3, "Chest": 4, "Head": 9, "Near Knee": -7, "Near Foot": -5, "Far Knee": 6, "Far Foot": 4,
         "Tail Middle": -14, "Tail Tip": 14, "Far Elbow": -8, "Far Hand": -16, "Lantern": 4,
         "Near Elbow": -52, "Near Hand": -128,
-    }, step=(0.15, 0.0)),
+    }, step=(0.12, -0.02), stands={"Near Foot": (0.0, 0.0), "Far Foot": (0.0, 0.0)}),
+    Pose("Stride", {
+        "Hips": -4, "Chest": -8, "Head": 2, "Near Knee": 6, "Near Foot": -46, "Far Knee": 32,
+        "Far Foot": -17, "Tail Middle": -14, "Tail Tip": -40, "Far Elbow": 10, "Far Hand": 44, "Lantern": -4,
+        "Near Elbow": 42, "Near Hand": 84,
+    }, step=(0.42, -0.28), stands={"Near Foot": (0.0, 0.0), "Far Foot": (0.52, 0.0)}),
     Pose("Jump", {
         "Hips": -5, "Chest": -3, "Head": 6, "Near Knee": -48, "Near Foot": -92, "Far Knee": 58,
         "Far Foot": -14, "Tail Middle": -4, "Tail Tip": 14, "Far Elbow": 76, "Far Hand": 106, "Lantern": 30,
         "Near Elbow": -72, "Near Hand": -96,
-    }, step=(0.10, 0.85)),
+    }, step=(0.25, 0.90)),
 )  # fmt: skip

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
@@ -35,11 +35,13 @@ class PinPlan:
 @dataclass(frozen=True)
 class Pose:
     """Turns in degrees, counterclockwise as seen, by pin name: how far the line from its parent to it turns
-    from rest. A pin without an entry turns with its parent. `step` moves all pins."""
+    from rest. A pin without an entry turns with its parent. `step` moves all pins. `stands` names pins that
+    are unturned in the end and at an offset from their place at rest, whatever their limb does."""
 
     name: str
     turns: Mapping[str, float]
     step: tuple[float, float] = (0.0, 0.0)
+    stands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass
@@ -98,12 +100,13 @@ def key_rest(obj: bpy.types.Object, frame: int) -> None:
 def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose, frame: int) -> Effort:
     """Poses the object from rest at a frame and keys that.
 
-    All pins move by the step, then one limb after the other turns about its joint.
+    All pins move by the step, then one limb after the other turns about its joint; what stands comes last.
     """
     bpy.context.scene.frame_set(frame)
     bpy.ops.planar.reset_to_rest()
     effort = Effort()
     places = pin_points(obj)
+    stands = {name: places[name] + offset for name, offset in pose.stands.items()}
     if any(pose.step):
         bpy.ops.planar.select_pins(action="ALL")
         start = time.perf_counter()
@@ -114,11 +117,18 @@ def strike(obj: bpy.types.Object, plans: Sequence[PinPlan], pose: Pose, frame: i
     for plan in plans:
         inherited = turned[plan.parent] if plan.parent else 0.0
         turned[plan.name] = np.radians(pose.turns[plan.name]) if plan.name in pose.turns else inherited
+        if plan.name in stands:
+            turned[plan.name] = 0.0
         angle = turned[plan.name] - inherited
         if angle:
             start = time.perf_counter()
             _turn_limb(obj, plans, places, plan, angle)
             effort.add(time.perf_counter() - start)
+    for name, stand in stands.items():
+        start = time.perf_counter()
+        bpy.ops.planar.select_pins(action="SELECT", pin=obj.planar.pins.find(name))
+        bpy.ops.planar.drag_pins(offset=stand - places[name])
+        effort.add(time.perf_counter() - start)
     _key(obj, pose.name)
     return effort
 
