@@ -72,7 +72,8 @@ def test_smooth_and_the_path_are_the_solvers():
     obj, poses = bent_bar((1, 9, 30))
     generate(obj, smooth=True, path="ARC")
     assert_shows(obj, native_frames(obj, poses, smooth=True, anchor_path="arc"))
-    assert obj.planar.smooth and obj.planar.anchor_path == "ARC"
+    assert obj.planar.smooth
+    assert obj.planar.anchor_path == "ARC"
     generate(obj)  # as they are
     assert_shows(obj, native_frames(obj, poses, smooth=True, anchor_path="arc"))
     generate(obj, smooth=False)
@@ -115,7 +116,7 @@ def test_a_planted_pin_stays_where_it_is_and_the_rest_swings_about_it():
         assert np.abs(shape - turned(2.0 * (frame - 1) / 24)).max() < 1e-5
     # Pins that move do not hold the middle, which no pin is at.
     obj.planar.pins[0].enabled = False
-    put(obj, {25: turned(2.0) + [1.0, 0.0]})
+    put(obj, {25: turned(2.0) + np.array([1.0, 0.0])})
     generate(obj)
     moved = [shown(obj, frame)[12:65:13, :2].mean(axis=0) for frame in (1, 13, 25)]
     assert np.abs(moved[1] - (moved[0] + moved[2]) / 2).max() < 1e-6
@@ -269,7 +270,8 @@ def test_what_is_stale_is_told():
     from planar_deform.scene import inbetweens
 
     obj, _ = bent_bar((1, 10, 20, 30))
-    assert not inbetweens.has_inbetweens(obj) and stale(obj) == []
+    assert not inbetweens.has_inbetweens(obj)
+    assert stale(obj) == []
     generate(obj)
     write_over(obj, 30)
     assert stale(obj) == [(2, 3)]
@@ -319,11 +321,13 @@ def test_a_loop_has_a_pose_of_its_own_at_its_end_which_follows_the_first_until_i
     assert same(shown(obj, 73), edited)
     assert_shows(obj, native_frames(obj, {**poses, 1: edited, 73: edited}))
     remove(obj)
-    assert len(obj.planar.poses) == 3 and [value for _, value, _ in timing(obj)] == [1024, 1032, 1040, 1024]
+    assert len(obj.planar.poses) == 3
+    assert [value for _, value, _ in timing(obj)] == [1024, 1032, 1040, 1024]
     generate(obj)
     last = write_over(obj, 73)
     generate(obj)
-    assert same(shown(obj, 1), edited) and same(shown(obj, 73), last)
+    assert same(shown(obj, 1), edited)
+    assert same(shown(obj, 73), last)
     remove(obj)
     assert len(obj.planar.poses) == 4
     assert same(shown(obj, 73), last)
@@ -420,7 +424,8 @@ def test_a_thousand_frames():
     generate(obj)
     assert obj.planar.poses[0].generated == 999
     names = [block.name for block in obj.data.shape_keys.key_blocks]
-    assert names[2:5] == ["Pose", "Pose +1", "Pose +2"] and len(set(names)) == len(names)
+    assert names[2:5] == ["Pose", "Pose +1", "Pose +2"]
+    assert len(set(names)) == len(names)
     frames = native_frames(obj, poses)
     assert_shows(obj, {frame: frames[frame] for frame in range(1, 1002, 37)})
     assert all(same(shown(obj, frame), pose) for frame, pose in poses.items())
