@@ -262,3 +262,23 @@ def tube(obj):
     surface = evaluated(obj)
     obj.data.bevel_depth = 0.0
     return surface
+
+
+@pytest.mark.parametrize("kind", ["edge soup", "3D curve"])
+def test_what_panels_ask_in_edit_mode_while_points_are_added(kind):
+    from planar_deform.scene import inbetweens, onion, shape
+
+    obj = lines(kind)
+    posed(obj)
+    generate()
+    obj.planar.show_onion = True
+    edits = bpy.ops.mesh if obj.type == "MESH" else bpy.ops.curve
+    bpy.ops.object.mode_set(mode="EDIT")
+    edits.select_all(action="SELECT")
+    edits.subdivide()
+    bpy.context.view_layer.update()
+    assert inbetweens.stale(obj) == []  # as long as Edit Mode has not been left
+    assert "Object Mode" in shape.shape_refusal(obj)
+    onion.of_active(bpy.context)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert inbetweens.stale(obj) == [(0, 1), (1, 2)]

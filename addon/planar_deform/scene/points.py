@@ -54,7 +54,12 @@ def read_block(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
             f"Shape key '{block.name}' has another number of points than the object, as joining curves "
             "leaves it: undo that, or remove the key"
         )
-    return _columns(block.data, CURVE_FIELDS if obj.type == "CURVE" else ())
+    return _held(obj, block)
+
+
+def bits(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> bytes:
+    """The bits of read_block(), whatever the number of points: a curve in Edit Mode may have others already."""
+    return _held(obj, block).tobytes()
 
 
 def write_block(block: bpy.types.ShapeKey, shape: np.ndarray) -> None:
@@ -70,6 +75,10 @@ def update(obj: bpy.types.Object) -> None:
         obj.data.update_tag()
     else:
         obj.data.update()
+
+
+def _held(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
+    return _columns(block.data, CURVE_FIELDS if obj.type == "CURVE" else ())
 
 
 def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3) -> np.ndarray:

@@ -15,7 +15,8 @@ from ..model.played_curve import visits
 from . import sequence
 from .digests import digest, of_block
 from .playback import Block, blocks_of, whole
-from .pose_blocks import SPACING, block_at, keyed, places, points_of
+from .points import bits
+from .pose_blocks import SPACING, block_at, keyed, places
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class Stamps:
         return digest("|".join(made_from).encode())
 
     def _bits(self, place: float) -> bytes:
-        return points_of(self._obj, block_at(self._obj.data.shape_keys, place)).tobytes()
+        return bits(self._obj, block_at(self._obj.data.shape_keys, place))
 
 
 def has_inbetweens(obj: bpy.types.Object) -> bool:
