@@ -51,3 +51,29 @@ def test_script_of_the_poses_page():
     assert np.isclose(stretched[:, 0].max(), rest[:, 0].max() + 0.4, atol=0.05)
     assert np.isclose(mirrored[:, 0].min(), rest[:, 0].min() - 0.4, atol=0.05)
     assert len(obj.planar.poses) == 3
+
+
+def test_script_of_the_in_betweens_page():
+    obj = standing_sheet()
+    bpy.ops.planar.add_pin(location=(-0.5, 0.0, 0.5))
+    bpy.ops.planar.add_pin(location=(0.5, 0.0, 0.5))  # the new pin is the selected one
+    before, after = script_of("inbetweens.md").split("bpy.ops.planar.retime_pose")
+
+    def shown(frame):
+        bpy.context.scene.frame_set(frame)
+        return evaluated(obj)
+
+    names = {}
+    exec(before, names)
+    pulled = 4 * 9 + 8  # the vertex of the second pin
+    assert np.allclose((shown(25) - shown(1))[pulled], (-0.3, 0.0, 0.9), atol=0.01)
+    assert obj.planar.poses[0].generated == 23
+    halfway, posed = shown(13), shown(49)
+    assert not np.allclose(halfway, (shown(1) + shown(25)) / 2, atol=0.01)  # an arc
+
+    exec("bpy.ops.planar.retime_pose" + after, names)
+    assert np.array_equal(shown(61), posed)
+    sides = shown(43) - shown(43).mean(axis=0), shown(25) - shown(25).mean(axis=0)
+    assert np.vdot(*sides) < 0  # halfway through an extra turn it is upside down
+    assert len(obj.planar.poses) == 4  # with the breakdown
+    assert obj.planar.show_onion
