@@ -58,7 +58,7 @@ def read_block(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
 
 
 def bits(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> bytes:
-    """The bits of read_block(), whatever the number of points: a curve in Edit Mode may have others already."""
+    """The bits of read_block(), whatever the number of points: a curve in Edit Mode may have more by then."""
     return _held(obj, block).tobytes()
 
 
