@@ -40,18 +40,20 @@ class Thinning:
 
     def solve(self, progress: Progress) -> Thinned:
         """Which poses stay; for a thread."""
+        share, reach = 0.0, int(self._way.smooth)
 
-        def between(kept: list[int]) -> Array:
-            motion = self._way.among(kept).motion(progress=lambda _: progress(settled[-1]))
-            return motion.at(self._times)
+        def between(kept: list[int], number: int) -> Array:
+            around = kept[max(0, number - reach) : number + 2 + reach]
+            motion = self._way.among(around).motion(progress=lambda _: progress(share))
+            return motion.at(self._times[kept[number] + 1 : kept[number + 1]])
 
-        def rounds(share: float) -> bool:
-            settled.append(share)
-            return progress(share)
+        def told(value: float) -> bool:
+            nonlocal share
+            share = value
+            return progress(value)
 
-        settled = [0.0]
         tolerance = self._tolerance * self._scene.diagonal
-        thinned = thin(self._way.keys, self._fixed, between, tolerance, rounds)
+        thinned = thin(self._way.keys, self._fixed, between, tolerance, told, reach=reach)
         if thinned is None:
             raise native.Cancelled
         return thinned

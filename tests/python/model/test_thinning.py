@@ -18,12 +18,21 @@ def moved(path: Array) -> list[Array]:
 
 
 def blends(shapes: list[Array]):
-    def between(kept: list[int]) -> list[Array]:
-        rows = np.arange(len(shapes))
-        columns = np.array(shapes)[kept].reshape(len(kept), -1).T
-        return list(np.stack([np.interp(rows, kept, column) for column in columns], axis=1).reshape(-1, 3, 2))
+    def between(kept: list[int], number: int) -> list[Array]:
+        first, last = kept[number : number + 2]
+        shares = np.arange(1, last - first) / (last - first)
+        return [(1.0 - share) * shapes[first] + share * shapes[last] for share in shares]
 
     return between
+
+
+def blended(shapes: list[Array], kept: list[int]) -> Array:
+    """All shapes as they are found from those kept."""
+    between = blends(shapes)
+    found = [
+        shape for number, first in enumerate(kept[:-1]) for shape in (shapes[first], *between(kept, number))
+    ]
+    return np.array([*found, shapes[-1]])
 
 
 def run(path: Array, tolerance: float, fixed: set[int] | None = None) -> Thinned:
@@ -49,7 +58,7 @@ def test_what_is_left_out_is_within_the_tolerance_and_the_furthest_is_told() -> 
     for tolerance in (0.01, 0.1, 1.0):
         result = run(path, tolerance)
         shapes = moved(path)
-        errors = np.abs(np.array(blends(shapes)(result.kept)) - shapes).max(axis=(1, 2))
+        errors = np.linalg.norm(blended(shapes, result.kept) - shapes, axis=2).max(axis=1)
         assert 0.0 < result.furthest <= tolerance
         assert result.furthest == pytest.approx(errors.max(), rel=1e-12)
         assert result.kept[0] == 0
@@ -68,6 +77,23 @@ def test_nothing_to_leave_out() -> None:
     assert run(zigzag()[3:5], 1e-9) == Thinned([0, 1], 0.0)
 
 
+@pytest.mark.parametrize("reach", [0, 1])
+def test_stretches_are_solved_again_only_where_keys_near_them_are_new(reach: int) -> None:
+    path = np.stack([np.arange(200.0), 5.0 * np.sin(np.arange(200.0) / 9.0)], axis=1)
+    path[:100, 1] = 0.0
+    shapes = moved(path)
+    between, seen = blends(shapes), []
+
+    def watched(kept: list[int], number: int) -> list[Array]:
+        seen.append((*kept[max(0, number - reach) : number + 2 + reach], -1, *kept[number : number + 2]))
+        return between(kept, number)
+
+    result = thin(shapes, set(), watched, 0.05, lambda _: True, reach=reach)
+    assert result is not None
+    assert result.kept == run(path, 0.05).kept
+    assert len(seen) == len(set(seen)), "none twice between the same keys"
+
+
 def test_the_share_grows_and_stopping_ends_it() -> None:
     shapes, shares = moved(zigzag()), []
 
@@ -77,4 +103,4 @@ def test_the_share_grows_and_stopping_ends_it() -> None:
 
     assert thin(shapes, set(), blends(shapes), 1e-9, progress) is None
     assert len(shares) == 2
-    assert 0.0 <= shares[0] <= shares[1] < 1.0
+    assert 0.0 < shares[0] < 1.0
