@@ -12,7 +12,7 @@ from harness import addon  # type: ignore[import-not-found]  # tests of the wind
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
-REST, WAVE = 1, 41  # frames of the demo's poses
+REST, WAVE = 1, 25  # frames of the demo's poses
 
 
 def shot(window: Any, name: str, area: Any = None) -> Path:
