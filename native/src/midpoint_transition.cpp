@@ -106,7 +106,7 @@ void MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssembler& a
   const auto passes = static_cast<std::size_t>(padded / FrameAssembler::lanes);
   ComplexRows wanted = ComplexRows::Zero(edges_.rows(), padded);
   ComplexRows points = ComplexRows::Zero(graph.n_vertices, padded), before;
-  std::vector<double> moved(passes);
+  Eigen::VectorXd moved(static_cast<Eigen::Index>(passes));
   for (int iteration = 0;; ++iteration) {
     wanted.leftCols(inner) = edges_.middleCols(1, inner);
     std::swap(points, before);
@@ -114,16 +114,16 @@ void MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssembler& a
     team.run(passes, [&](std::size_t pass, std::size_t) {
       const Eigen::Index first = static_cast<Eigen::Index>(pass) * FrameAssembler::lanes;
       assembler.assemble(wanted, first, points);
-      moved[pass] =
+      moved[static_cast<Eigen::Index>(pass)] =
           (points.middleCols(first, FrameAssembler::lanes) - before.middleCols(first, FrameAssembler::lanes))
               .abs2()
-              .maxCoeff();
+              .maxCoeff<Eigen::PropagateNaN>();
     });
     for_edges(edges_.rows(), team, [&](Eigen::Index i) {
       const auto [a, b] = graph.edges[static_cast<std::size_t>(i)];
       edges_.row(i).segment(1, inner) = points.row(b).head(inner) - points.row(a).head(inner);
     });
-    const double furthest = std::sqrt(*std::max_element(moved.begin(), moved.end()));
+    const double furthest = std::sqrt(moved.maxCoeff<Eigen::PropagateNaN>());
     if (!std::isfinite(furthest))
       throw SolveError("the in-betweens overflow: are the keys' numbers sensible?");
     if (iteration > 0 && furthest < settings.tolerance) break;

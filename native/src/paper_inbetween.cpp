@@ -264,7 +264,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
     } else {
       global.assemble(edges, points);
     }
-    const double furthest = std::sqrt((points - before).abs2().maxCoeff());
+    const double furthest = std::sqrt((points - before).abs2().maxCoeff<Eigen::PropagateNaN>());
     if (!std::isfinite(furthest) || furthest > 1e6 * diagonal) {
       throw SolveError(
           "the paper's iteration diverges: its steps turn edges too far; take more frames or midpoint");
