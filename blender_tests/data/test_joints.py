@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where layers hang together: found where they do in both poses, and nowhere else."""
 
+import bpy
 import numpy as np
 import pytest
-from support import grid
+from support import PLANES, evaluated, grid, make_object
 
 from planar_deform.scene import joints
+from planar_deform.scene.shape import begin_shape
 
 
 def rotated(points, centre, degrees):
@@ -69,3 +71,26 @@ def test_one_part_has_no_joints(figure):
     rest, parts = figure
     body = parts == 0
     assert len(joints.find(rest[body], rest[body], rest[body] + 1.0, parts[body], planted=set())) == 0
+
+
+def test_in_betweens_keep_layers_together(figure):
+    rest, parts = figure
+    sheets = [grid(20, 40)[1], grid(20, 4)[1], grid(6, 6)[1]]
+    starts = [np.flatnonzero(parts == part)[0] for part in range(3)]
+    faces = np.concatenate([faces + start for faces, start in zip(sheets, starts, strict=True)])
+    points = np.column_stack([rest, -0.1 * parts])
+    obj = make_object(points @ PLANES["XZ"].T, faces.tolist())
+    for frame, posed in (1, swung(rest, parts, 80, -60)), (25, swung(rest, parts, -70, 90, step=(1.0, 0.3))):
+        bpy.context.scene.frame_set(frame)
+        scene = begin_shape(bpy.context)
+        scene.write(posed)
+        bpy.ops.planar.key_pose()
+    bpy.ops.planar.generate_inbetweens()
+    assert obj.planar.poses[0].generated == 23
+
+    shoulder, wrist = (np.flatnonzero(np.hypot(*(rest - place).T) < 1e-6) for place in (SHOULDER, WRIST))
+    for frame in range(1, 26):
+        bpy.context.scene.frame_set(frame)
+        shown = evaluated(obj)
+        for a, b in (shoulder, wrist):  # of two parts, in one place
+            assert np.hypot(*(shown[a] - shown[b])[[0, 2]]) < 0.01
