@@ -96,8 +96,12 @@ def between(shape: Shape, keys: list[np.ndarray], times: np.ndarray, **options: 
 
 
 def by_peer(peer, first: np.ndarray, last: np.ndarray, shape: Shape, frames: int) -> np.ndarray:
-    with np.errstate(all="ignore"):
-        return peer(first @ [1, 1j], last @ [1, 1j], shape.triangles, frames)
+    """Frames of a peer, which are no numbers where it cannot solve."""
+    try:
+        with np.errstate(all="ignore"):
+            return peer(first @ [1, 1j], last @ [1, 1j], shape.triangles, frames)
+    except RuntimeError:  # a singular matrix
+        return np.full((frames, len(first)), np.nan, dtype=complex)
 
 
 Transition = tuple[str, Shape, np.ndarray, np.ndarray]

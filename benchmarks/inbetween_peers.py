@@ -35,11 +35,12 @@ def printed(first: np.ndarray, last: np.ndarray, triangles: np.ndarray, frames: 
     rows = np.repeat(np.arange(len(edges)), 2)
     signs = np.tile([-1.0, 1.0], len(edges))
     difference = csc_array((signs, (rows, edges.ravel())), shape=(len(edges), len(first)))
+    held = first_of_parts(edges, len(first))
     points = np.zeros((frames, len(first)), dtype=complex)
     diagonal = np.hypot(np.ptp(first.real), np.ptp(first.imag))
     for iteration in range(MOST_ITERATIONS):
         before = points
-        points = np.array([assembled(difference, column) for column in e[:, 1:-1].T])
+        points = np.array([assembled(difference, held, column) for column in e[:, 1:-1].T])
         if not np.isfinite(points).all():
             break
         if iteration > 0 and np.abs(points - before).max() < TOLERANCE * diagonal:  # (11)
@@ -49,13 +50,13 @@ def printed(first: np.ndarray, last: np.ndarray, triangles: np.ndarray, frames: 
     return centred(points, first, last)
 
 
-def assembled(difference: csc_array, e: np.ndarray) -> np.ndarray:
-    """The points that minimise (10) with weights 1/|e|, the first of them at 0."""
+def assembled(difference: csc_array, held: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """The points that minimise (10) with weights 1/|e|, those held at 0."""
     length = np.abs(e)
     if not (np.isfinite(length) & (length > 0)).all():
         return np.full(difference.shape[1], np.nan, dtype=complex)
     weighted = dia_array((1 / length[None], [0]), shape=(len(e), len(e))) @ difference
-    return solved(factored(difference.T @ weighted), weighted.T @ e)
+    return solved(factored(difference.T @ weighted, held), weighted.T @ e)
 
 
 def relaxed(e: np.ndarray) -> np.ndarray:
@@ -96,7 +97,8 @@ def polar_poisson(first: np.ndarray, last: np.ndarray, triangles: np.ndarray, fr
     angles = smallest_first(np.angle(alpha), triangles)
 
     areas = np.abs(doubled)
-    factor = factored(2 * (of_alpha.conj().T @ (areas[:, None] * of_alpha)).real)
+    laplacian = 2 * (of_alpha.conj().T @ (areas[:, None] * of_alpha)).real
+    factor = factored(laplacian, first_of_parts(sides(triangles), len(first)))
     points = []
     for t in inbetween_times(frames):
         turn = areas * np.exp(1j * t * angles)
@@ -149,13 +151,23 @@ def whole_turns(angle: float) -> float:
     return float(2 * np.pi * np.round(angle / (2 * np.pi)))
 
 
-def factored(matrix: csc_array) -> SuperLU:
-    return splu(csc_array(matrix)[1:, 1:], permc_spec="MMD_AT_PLUS_A")
+def first_of_parts(edges: np.ndarray, count: int) -> np.ndarray:
+    """1 at the first vertex of each part and at isolated vertices, else 0: translations are free."""
+    graph = csr_array((np.ones(len(edges)), edges.T), shape=(count, count))
+    _, part = connected_components(graph, directed=False)
+    held = np.zeros(count)
+    held[np.unique(part, return_index=True)[1]] = 1
+    return held
+
+
+def factored(matrix: csc_array, held: np.ndarray) -> SuperLU:
+    """The right sides of a part add up to 0, so that what is added to the diagonal holds a vertex exactly."""
+    hold = dia_array((held[None] * matrix.diagonal().mean(), [0]), shape=matrix.shape)
+    return splu(csc_array(matrix + hold), permc_spec="MMD_AT_PLUS_A")
 
 
 def solved(factor: SuperLU, right: np.ndarray) -> np.ndarray:
-    """The points of a system whose first one is held at 0."""
-    return np.concatenate([[0], factor.solve(right.real[1:]) + 1j * factor.solve(right.imag[1:])])
+    return factor.solve(right.real) + 1j * factor.solve(right.imag)
 
 
 def centred(points: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
