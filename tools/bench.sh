@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Prints the tables of the native solver's speed, what a drag costs in Blender's window, and how well and fast
-# the module poses beside libigl.
+# the module poses, and makes in-betweens, beside others.
 # usage: tools/bench.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
