@@ -7,8 +7,6 @@ point of the arm lies on one of the body at rest, and does so in both poses betw
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 from mathutils.kdtree import KDTree
 
@@ -17,6 +15,8 @@ from ..model.frame import Array, Indices
 # Of the diagonal of the rest's box: how far apart two vertices of a joint may get. Shoulders of drawn
 # characters stay within 0.6 %; layers that only overlap are 2 % and more off in one pose or another.
 LOOSENESS = 0.01
+
+Shapes = tuple[Array, Array, Array]  # at rest, before, after
 
 
 def find(rest: Array, before: Array, after: Array, parts: Indices, planted: set[int]) -> Indices:
@@ -27,11 +27,12 @@ def find(rest: Array, before: Array, after: Array, parts: Indices, planted: set[
     themselves, the tightest do. Of parts that hang together the one with most vertices carries the others.
     """
     members = [np.flatnonzero(parts == part) for part in range(parts.max(initial=-1) + 1)]
+    shapes = (rest, before, after)
     limit = LOOSENESS * float(np.hypot(*np.ptp(rest, axis=0)))
     found = sorted(
         joint
-        for one, other in itertools.combinations([m for m in members if len(m) > 1], 2)
-        if (joint := _tightest((rest, before, after), one, other, limit)) is not None
+        for one, other in _neighbours(shapes, members, limit)
+        if (joint := _tightest(shapes, members[one], members[other], limit)) is not None
     )
 
     tree = {part: {part} for part in range(len(members))}  # the parts that hang together with each
@@ -57,9 +58,19 @@ def find(rest: Array, before: Array, after: Array, parts: Indices, planted: set[
     return np.array(joints, int).reshape(-1, 2)
 
 
-def _tightest(
-    shapes: tuple[Array, Array, Array], one: Indices, other: Indices, limit: float
-) -> tuple[float, int, int] | None:
+def _neighbours(shapes: Shapes, members: list[Indices], limit: float) -> list[tuple[int, int]]:
+    """The pairs of parts whose boxes come within the limit in all shapes. A lone vertex is no part."""
+    large = np.array([part for part, vertices in enumerate(members) if len(vertices) > 1], int)
+    near = np.triu(np.ones((len(large), len(large)), bool), 1)
+    for shape in shapes:
+        low = np.array([shape[members[part]].min(axis=0) for part in large]).reshape(-1, 2)
+        high = np.array([shape[members[part]].max(axis=0) for part in large]).reshape(-1, 2)
+        meets = (low[:, None] - limit <= high[None]).all(axis=2)
+        near &= meets & meets.T
+    return [(int(large[one]), int(large[other])) for one, other in np.argwhere(near)]
+
+
+def _tightest(shapes: Shapes, one: Indices, other: Indices, limit: float) -> tuple[float, int, int] | None:
     """The pair of vertices of two parts that gets least apart, and how far; None beyond the limit."""
     for shape in shapes:
         low, high = shape[one].min(axis=0) - limit, shape[one].max(axis=0) + limit
