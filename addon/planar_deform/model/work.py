@@ -12,7 +12,10 @@ Progress = Callable[[float], bool]  # takes the share done; False from it: nobod
 
 
 class Work(Generic[Result]):
-    """Runs `solve(progress)` at once. Stopped, it ends by itself, and nobody waits for that."""
+    """Runs `solve(progress)` at once. Stopped, it ends by itself, and nobody waits for that.
+
+    But Python does when it exits: a daemon thread would be torn from native code then, and abort the process.
+    """
 
     def __init__(self, solve: Callable[[Progress], Result]):
         self.share = 0.0  # done, 0 to 1
@@ -20,7 +23,7 @@ class Work(Generic[Result]):
         self._done = threading.Event()
         self._results: list[Result] = []
         self._error: BaseException | None = None
-        threading.Thread(target=self._run, args=(solve,), daemon=True).start()
+        threading.Thread(target=self._run, args=(solve,)).start()
 
     def wait(self, seconds: float) -> bool:
         """Until it has ended, or for so long; whether it has."""

@@ -165,6 +165,7 @@ class LongOperator(ShapeOperator):
         if self._timer is not None:
             bpy.context.window_manager.event_timer_remove(self._timer)
             self._timer = None
+        self._run = None  # Blender keeps operators that are done, and this has all that was solved
         _status(None)
         return result
 
@@ -189,7 +190,7 @@ HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _abandon)
 
 
 def unregister() -> None:
-    """The add-on is turned off, perhaps in the middle of a job."""
+    """The add-on is turned off, perhaps in the middle of a job, or Blender is closed."""
     if _running is not None:
         _abandon()
         _status(None)
