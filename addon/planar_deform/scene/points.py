@@ -64,7 +64,7 @@ def bits(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> bytes:
 
 def write_block(block: bpy.types.ShapeKey, shape: np.ndarray) -> None:
     """Give a shape key a shape; of a curve's, coordinates alone will do, too."""
-    block.data.foreach_set("co", np.ascontiguousarray(shape[:, :3]).ravel())
+    _coordinates(block).foreach_set("co", np.ascontiguousarray(shape[:, :3]).ravel())
     _set_fields(block.data, shape)
 
 
@@ -78,7 +78,12 @@ def update(obj: bpy.types.Object) -> None:
 
 
 def _held(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
-    return _columns(block.data, CURVE_FIELDS if obj.type == "CURVE" else ())
+    return _columns(_coordinates(block), CURVE_FIELDS if obj.type == "CURVE" else ())
+
+
+def _coordinates(block: bpy.types.ShapeKey) -> bpy.types.bpy_prop_collection:
+    """Where a shape key's coordinates are; those of a mesh's key can be had a hundred times as fast."""
+    return block.points if len(block.points) else block.data
 
 
 def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3) -> np.ndarray:
