@@ -77,3 +77,31 @@ def test_script_of_the_in_betweens_page():
     assert np.vdot(*sides) < 0  # halfway through an extra turn it is upside down
     assert len(obj.planar.poses) == 4  # with the breakdown
     assert obj.planar.show_onion
+
+
+def test_script_of_the_page_on_baking(tmp_path):
+    obj = standing_sheet()
+    obj.name = "Cutout"
+    bpy.ops.planar.add_pin(location=(-0.5, 0.0, 0.5))
+    bpy.ops.planar.add_pin(location=(0.5, 0.0, 0.5))
+    for frame, offset in ((1, 0.0), (25, 0.3), (49, -0.2)):
+        bpy.context.scene.frame_set(frame)
+        if offset:
+            bpy.ops.planar.drag_pins(offset=(offset, 0.0))
+        bpy.ops.planar.key_pose()
+
+    def shown():
+        shapes = []
+        for frame in range(1, 50, 4):
+            bpy.context.scene.frame_set(frame)
+            shapes.append(evaluated(obj))
+        return np.stack(shapes)
+
+    before = shown()
+    cached, baked = script_of("bake.md").replace("/tmp/shot", f"{tmp_path}/shot").split("bpy.context.object")
+    exec(cached, {})
+    assert (tmp_path / "Cutout_planar.pc2").stat().st_size == 32 + 49 * 81 * 12
+    assert np.allclose(shown(), before, atol=1e-6)
+    exec(f"import bpy\nbpy.context.object{baked}", {})
+    assert len(obj.data.shape_keys.key_blocks) == 1 + 49
+    assert np.allclose(shown(), before, atol=1e-6)

@@ -12,11 +12,14 @@ passed.
 
 import argparse
 import json
+import shutil
 import subprocess
 import sys
 import sysconfig
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 PROJECT = Path(__file__).resolve().parents[2]
 STEPS = Path(__file__).with_name("steps.py")
@@ -52,8 +55,8 @@ class Blender:
             self.command_line = [path, "--command", "extension"]
             self.validator = [*self.command_line, "validate"]
 
-    def run(self, *command: str) -> str:
-        result = subprocess.run(
+    def call(self, command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
             command,
             cwd=self.cwd,
             env=self.environment,
@@ -64,11 +67,31 @@ class Blender:
             timeout=300,
             check=False,
         )
+
+    def run(self, *command: str) -> str:
+        result = self.call(command)
         if result.returncode or "Traceback" in result.stdout:
             raise AssertionError(f"{' '.join(command)}: exit code {result.returncode}\n{result.stdout}")
         return result.stdout
 
-    def step(self, *step: str) -> dict:
+    @property
+    def batch_forms(self) -> tuple[str, ...]:
+        return ("module",) if self.command_line is None else ("command", "expression")
+
+    def batch(self, form: str, file: str, *arguments: str) -> tuple[int, str]:
+        """The exit code of the headless command, called as its page tells, and what it printed."""
+        if form == "module":
+            return self.step("batch", file, *arguments), ""
+        command = [self.program[0], "-b", file]
+        if form == "command":
+            command += ["--command", "planar", *arguments]
+        else:
+            expression = f"from {MODULE} import batch; batch.main()"
+            command += ["--python-exit-code", "1", "--python-expr", expression, "--", *arguments]
+        result = self.call(command)
+        return result.returncode, result.stdout
+
+    def step(self, *step: str) -> Any:
         output = self.run(*self.program, *step)
         (line,) = (line for line in output.splitlines() if line.startswith("RESULT "))
         return json.loads(line.removeprefix("RESULT "))
@@ -136,6 +159,26 @@ def check_drag(blender: Blender) -> None:
     check(not stray, f"written outside of the extension's folders: {stray}")
 
 
+def check_batch(blender: Blender) -> None:
+    folder = blender.cwd / "shot"
+    folder.mkdir()
+    shot = str(folder / "shot.blend")
+    check(blender.step("shot", shot) == 3, "the poses are not keyed")
+    bake = ("--object", "Bar", "--generate", "--bake", "POINT_CACHE", "--save")
+    jobs = {
+        bake: 0,
+        ("--object", "Nobody", *bake[2:]): 1,
+        ("--object", "Bar", "--bake", "GIF"): 2,
+    }
+    for arguments, expected in jobs.items():
+        for form in blender.batch_forms:
+            code, output = blender.batch(form, shot, *arguments)
+            check(code == expected, f"{form} {arguments}: exit code {code}, not {expected}\n{output}")
+    size = (folder / "Bar_planar.pc2").stat().st_size
+    check(size == 32 + 9 * 4 * 12, f"the point cache has {size} bytes")
+    shutil.rmtree(folder)
+
+
 def check_disabled(blender: Blender) -> None:
     left = blender.step("disable")
     check(not any(left.values()), f"left registered after disabling: {left}")
@@ -162,6 +205,7 @@ def main() -> int:
     steps = {
         "is valid, installs and is enabled": lambda blender: check_installed(blender, archives[-1]),
         "drags a pin with its own module and libraries": check_drag,
+        "generates and bakes without a window, with exit codes": check_batch,
         "leaves nothing registered when disabled": check_disabled,
         "leaves no file when uninstalled": check_uninstalled,
     }

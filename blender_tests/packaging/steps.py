@@ -114,6 +114,33 @@ def drag():
     }
 
 
+def shot(path):
+    """A file with a bar that is posed at three frames, for the headless command."""
+    mesh = bpy.data.meshes.new("Bar")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)], [], [(0, 1, 2, 3)])
+    bar = bpy.data.objects.new("Bar", mesh)
+    bpy.context.collection.objects.link(bar)
+    bpy.context.view_layer.objects.active = bar
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 9
+    bpy.ops.planar.add_pin(location=(1.0, 0.0, 0.5))
+    for frame, offset in ((1, 0.0), (5, 1.0), (9, -1.0)):
+        scene.frame_set(frame)
+        if offset:
+            bpy.ops.planar.drag_pins(offset=(offset, 0.0))
+        bpy.ops.planar.key_pose()
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    return len(bar.planar.poses)
+
+
+def batch(path, *arguments):
+    """The headless command in the bpy module; the program is told it on its command line."""
+    import importlib
+
+    bpy.ops.wm.open_mainfile(filepath=path)
+    return importlib.import_module(f"{MODULE}.batch").run(arguments)
+
+
 def disable():
     import addon_utils  # there once bpy is
 
@@ -131,7 +158,7 @@ def uninstall():
 
 if __name__ == "__main__":
     step, *arguments = sys.argv[sys.argv.index("--") + 1 :]
-    if not bpy.app.binary_path and step in ("drag", "disable"):
+    if not bpy.app.binary_path and step in ("drag", "shot", "batch", "disable"):
         # A module starts with factory settings, where the program has what its user enabled.
         import addon_utils
 
