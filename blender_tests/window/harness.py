@@ -172,6 +172,7 @@ class Window:
             bpy.context.window_manager.clipboard = ""
             yield from self.key("C", ctrl=True)  # copies the command of the button under the mouse
             if bpy.context.window_manager.clipboard.startswith(f"bpy.ops.{operator}("):
+                yield from self.release("LEFT_CTRL")  # else Blender's own mouse events still have it
                 self._button = place[1]
                 yield from self.click(place)
                 return

@@ -26,6 +26,13 @@ def at(frame: int) -> np.ndarray:
     return shown()
 
 
+def go_to(frame: int) -> Iterator[None]:
+    """Go to a frame as a user does, which is an undo step."""
+    bpy.context.scene.frame_set(frame)
+    bpy.ops.ed.undo_push(message="Frame Change")
+    yield
+
+
 def timing() -> list[tuple]:
     """Frame, value, type and easing of each key of the poses' curve."""
     curve = addon("scene.pose_blocks").shown_curve(active().data.shape_keys)
@@ -75,9 +82,6 @@ def three_poses(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     yield from large_view(window)
     for frame, (dx, dz) in ((1, (-0.5, 1.4)), (25, (0.3, -2.4)), (49, (-0.6, 1.6))):
-        bpy.context.scene.frame_set(frame)
-        yield
+        yield from go_to(frame)
         yield from pull(window, dx, dz)
         yield from window.push("planar.key_pose")
-    bpy.ops.ed.undo_push(message="Three Poses")
-    yield

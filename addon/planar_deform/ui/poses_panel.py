@@ -27,7 +27,7 @@ class PLANAR_UL_poses(bpy.types.UIList):
         side = row.row(align=True)
         side.ui_units_x = 3.5
         side.alignment = "RIGHT"
-        if len(frames) == 1:
+        if len(frames) == 1 and frames[0] == round(frames[0]):
             side.prop(item, "frame", text="", emboss=False)
         else:
             side.label(text=", ".join(f"{frame:g}" for frame in frames) if frames else "no frame")
@@ -70,14 +70,15 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             column.prop(obj.planar, "show_onion", text="", icon="ONIONSKIN_ON")
         row = layout.row(align=True)
         row.operator("planar.key_pose", icon="KEY_HLT")
-        row.operator("planar.breakdown", icon="ARROW_LEFTRIGHT")
         row.operator("planar.record_pins", icon="REC")
         row = layout.row(align=True)
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
         row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
         row.operator("planar.mirror_pose", text="Mirror", icon="MOD_MIRROR")
         if sequence.has_blocks(obj):
-            row = layout.row(align=True)
+            column = layout.column(align=True)
+            column.operator("planar.breakdown", icon="ARROW_LEFTRIGHT")
+            row = column.row(align=True)
             row.operator("planar.generate_inbetweens", icon="IPO_EASE_IN_OUT")
             if inbetweens.has_inbetweens(obj):
                 row.operator("planar.remove_inbetweens", text="", icon="X")
@@ -111,6 +112,9 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
         if settings.active_pose < len(settings.poses) - 1:
             pose = settings.poses[settings.active_pose]
             column.prop(pose, "turns", text=f"Turns after {pose.name}")
+            if pose.edited:
+                text = f"Edited behind {pose.name}: kept as long as its poses stay"
+                lines(layout, text, "INFO", context)
 
 
 def _note(obj):
@@ -132,7 +136,7 @@ def _stale_note(obj, stale):
     poses = obj.planar.poses
     ways = [f"{poses[before].name} to {poses[after].name}" for before, after in stale[:3]]
     more = f" and {len(stale) - 3} more" if len(stale) > 3 else ""
-    return f"Changed since they were filled: {', '.join(ways)}{more}"
+    return f"Out of date: {', '.join(ways)}{more}. Generate In-Betweens fills them anew"
 
 
 CLASSES = (PLANAR_UL_poses, PLANAR_MT_pose, PLANAR_PT_poses, PLANAR_PT_inbetweens)
