@@ -15,6 +15,8 @@ from ..scene.shape import begin_shape
 from .long_operator import Job, LongOperator
 from .posing_operator import ShapeOperator
 
+ONCE = {"SKIP_SAVE"}  # what is not told is the object's own, not that of the last use
+
 
 class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
     bl_idname = "planar.generate_inbetweens"
@@ -25,9 +27,13 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    path: EnumProperty(name="Path", description="Way of what is held, from pose to pose", items=PATHS)
+    path: EnumProperty(
+        name="Path", description="Way of what is held, from pose to pose", items=PATHS, options=ONCE
+    )
     smooth: BoolProperty(
-        name="Smooth", description="Pass through the poses without a change of speed or direction there"
+        name="Smooth",
+        description="Pass through the poses without a change of speed or direction there",
+        options=ONCE,
     )
 
     @classmethod

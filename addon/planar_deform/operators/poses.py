@@ -43,7 +43,11 @@ class OnePoseOperator(PoseListOperator):
     """Works on one pose."""
 
     pose: IntProperty(
-        name="Pose", description="Index of the pose; the active one if negative", default=-1, min=-1
+        name="Pose",
+        description="Index of the pose; the active one if negative",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
     )
 
     def apply(self, context):
@@ -100,7 +104,9 @@ class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):
 class PoseAtFrameOperator(OnePoseOperator):
     """Works on one pose and a frame."""
 
-    frame: FloatProperty(name="Frame", description="Frame to use; by default the current one")
+    frame: FloatProperty(
+        name="Frame", description="Frame to use; by default the current one", options={"SKIP_SAVE"}
+    )
 
     def apply(self, context):
         if not self.properties.is_property_set("frame"):

@@ -248,7 +248,7 @@ class _Undo:
     def __init__(self, obj: bpy.types.Object):
         keys = obj.data.shape_keys
         settings = obj.planar
-        self._eval_time = keys.eval_time
+        self._eval_time, self._frame = keys.eval_time, bpy.context.scene.frame_current_final
         self._active = _active_place(obj)
         self._active_pose = settings.active_pose
         self._poses = [(pose.at, record_of(pose)) for pose in settings.poses]
@@ -291,7 +291,11 @@ class _Undo:
     def show_as_before(self, obj: bpy.types.Object, moved: Mapping[float, float]) -> None:
         """Show the same values again, with the same block active where it is now."""
         take_out(obj, block_at(obj.data.shape_keys, STILL))
-        obj.data.shape_keys.eval_time = self._eval_time
+        keys = obj.data.shape_keys
+        keys.eval_time = self._eval_time
+        if pose_curve.shown_curve(keys) is None and moved and self._eval_time < HOLD:
+            old, new = np.array(sorted(moved.items())).T
+            keys.eval_time = float(pose_curve.moved(np.array([self._eval_time]), old, new)[0])
         _activate(obj, moved.get(self._active, self._active))
 
     def restore(self, obj: bpy.types.Object) -> None:
@@ -315,12 +319,15 @@ class _Undo:
         settings.active_pose = self._active_pose
         self._curve.restore(keys)
         keys.eval_time = self._eval_time
+        frame, curve = bpy.context.scene.frame_current_final, pose_curve.shown_curve(keys)
+        if frame != self._frame and curve is not None:  # the timeline has gone on
+            keys.eval_time = curve.evaluate(frame)
         _activate(obj, self._active)
 
 
 def _active_place(obj: bpy.types.Object) -> float:
     block = obj.active_shape_key
-    return 0.0 if block is None else float(block.frame)
+    return 0.0 if block is None else float(whole(np.array([block.frame]))[0])
 
 
 def _activate(obj: bpy.types.Object, place: float) -> None:

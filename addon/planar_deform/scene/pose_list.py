@@ -57,6 +57,10 @@ def _reorder(obj: bpy.types.Object, place: float, others: np.ndarray, mine: np.n
     block = next(block for block in blocks if block.source == place)
     blocks.remove(block)
     block.free = 0
+    for other in blocks:
+        if other.pose is not None:
+            other.pose["order_before"] = 0  # they are put in another order now
+    block.pose["order_before"] = 0
     blocks = close_up(blocks)
     earlier = others[others[:, 0] < frame]
     put_in(obj.data.shape_keys, blocks, block, shown_before(blocks, earlier), frame, earlier)
