@@ -461,3 +461,58 @@ def test_poses_put_again_on_generated_ones_keep_their_turns():
     put(obj, {25: np.zeros((65, 2)) + np.arange(65)[:, None]})
     key(obj, 30, 2)
     assert [pose.turns for pose in obj.planar.poses] == [0, -2, 0, 0]
+
+
+def test_without_a_curve_what_is_shown_stays_shown():
+    obj, _ = bent_bar()
+    generate(obj)
+    seen = shown(obj, 35)
+    bpy.data.actions.remove(obj.data.shape_keys.animation_data.action)
+    activate(obj)
+    assert same(evaluated(obj), seen)
+    assert not bpy.ops.planar.generate_inbetweens.poll()
+    obj.data.shape_keys.eval_time = obj.planar.poses[1].at
+    seen = evaluated(obj)
+    remove(obj)
+    assert same(evaluated(obj), seen)
+    assert [pose.at for pose in obj.planar.poses] == [1024.0, 1032.0, 1040.0]
+
+
+@pytest.mark.parametrize("generated", [False, True])
+def test_an_error_at_the_very_end_puts_everything_back(generated, monkeypatch):
+    from planar_deform.scene import inbetween_writing
+
+    def fails(*_):
+        raise MemoryError
+
+    obj, _ = bent_bar()
+    curve = curve_of(obj)
+    curve.keyframe_points.insert(73, curve.keyframe_points[0].co[1])
+    curve.update()
+    if generated:
+        generate(obj)
+        obj.planar.poses[1].frame = 30
+    go_to(20)
+    before, seen = everything(obj), evaluated(obj)
+    monkeypatch.setattr(inbetween_writing, "remember", fails)
+    with pytest.raises(RuntimeError, match="MemoryError"):
+        bpy.ops.planar.generate_inbetweens()
+    assert everything(obj) == before
+    assert same(evaluated(obj), seen)
+    monkeypatch.undo()
+    generate(obj)
+    assert stale(obj) == []
+
+
+def test_poses_retimed_by_the_list_stay_in_their_order_when_in_betweens_are_removed():
+    obj, poses = bent_bar()
+    curve = curve_of(obj)
+    curve.keyframe_points[0].co[0] = 30
+    curve.update()
+    generate(obj)  # puts them in order
+    obj.planar.poses[0].frame = 40  # past the first pose
+    assert [pose.frame for pose in obj.planar.poses] == [30, 40, 49]
+    remove(obj)
+    assert [pose.frame for pose in obj.planar.poses] == [30, 40, 49]
+    for frame, pose in ((30, 1), (40, 25), (49, 49)):
+        assert same(shown(obj, frame), poses[pose])
