@@ -40,6 +40,10 @@ def run(arguments: Sequence[str]) -> int:
     except SystemExit as end:  # argparse has said why, or has shown its help
         return DONE if end.code in (None, DONE) else USAGE
     try:
+        if not hasattr(bpy.types.Object, "planar"):  # --factory-startup, or the preferences of another user
+            raise Refusal(
+                "The extension Planar Deform is not enabled in this Blender: enable it in the preferences"
+            )
         bpy.context.view_layer.update()
         for name in _objects(options.object):
             _work(name, options)
