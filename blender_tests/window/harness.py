@@ -163,7 +163,7 @@ class Window:
     def push(self, operator: str) -> Iterator[None]:
         """Click the sidebar's button of an operator, such as planar.key_pose, wherever it is."""
         region = self.region("UI")
-        columns = [region.x + region.width * share // 8 for share in (2, 5)]
+        columns = [region.x + round(region.width * share) for share in (0.25, 0.6, 0.82)]
         rows = range(region.y + 7, region.y + region.height, 14)
         last = self._button  # the next one is often near
         places = sorted(((x, y) for y in rows for x in columns), key=lambda place: abs(place[1] - last))

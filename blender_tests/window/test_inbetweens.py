@@ -69,12 +69,12 @@ def test_the_story(window: Window) -> Iterator[None]:
     try:
         yield from window.key("SPACE")
         assert window.window.screen.is_animation_playing
-        yield from window.wait(1.5)
+        while len(seen) < 8:
+            yield
         yield from window.key("SPACE")
     finally:
         bpy.app.handlers.frame_change_post.remove(watch)
     assert not window.window.screen.is_animation_playing
-    assert len(seen) > 5
     for frame, coordinates in seen.items():
         assert coordinates == frames[frame].tobytes(), f"played, frame {frame}"
 
