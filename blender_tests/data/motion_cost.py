@@ -3,8 +3,9 @@
 
     .venv/bin/python blender_tests/data/motion_cost.py [FRAMES [SIDE]]
 
-"solve" is what runs in the thread. "write" is done in Blender's own, a block at a time: its longest step and
-its whole time are told. Memory is that of the process, before and after.
+"read" and "write" are done in Blender's own thread, "write" in steps, the longest of which is told in ms;
+"solve" runs in a thread beside it. "cpu" is processor time, which other processes do not lengthen. Memory is
+that of the process, before and after.
 """
 
 import sys
@@ -36,26 +37,39 @@ def bent(rest: np.ndarray, turn: float) -> np.ndarray:
     )
 
 
+class Clock:
+    """Seconds, and those of processor time, since the last look."""
+
+    def __init__(self) -> None:
+        self._last = self._now()
+
+    def look(self) -> str:
+        now, before = self._now(), self._last
+        self._last = now
+        return f"{now[0] - before[0]:8.2f}{now[1] - before[1]:6.2f}"
+
+    @staticmethod
+    def _now() -> tuple[float, float]:
+        return time.perf_counter(), time.process_time()
+
+
 def measure(name, make, summary=lambda job, solved: ""):
     """Run a job as an operator does, and print what it takes."""
-    before, start = resident(), time.perf_counter()
+    before, clock = resident(), Clock()
     job = make()
-    planned = time.perf_counter()
+    row = clock.look()
     solved = job.solve(lambda share: True)
-    done, longest = time.perf_counter(), 0.0
-    writing = job.write(solved)
+    row += clock.look()
+    writing, steps = job.write(solved), []
     while True:
-        step = time.perf_counter()
-        if next(writing, None) is None:
+        start = time.perf_counter()
+        done = next(writing, None) is None
+        steps.append(1e3 * (time.perf_counter() - start))
+        if done:
             break
-        longest = max(longest, time.perf_counter() - step)
-    last = time.perf_counter() - step
-    written = time.perf_counter()
-    print(
-        f"{name:24}{planned - start:8.2f}{done - planned:8.2f}{written - done:8.2f}"
-        f"{1e3 * longest:10.1f}{1e3 * last:10.1f}{before:9.0f}{resident():9.0f}  {summary(job, solved)}",
-        flush=True,
-    )
+    row += clock.look()
+    told = summary(job, solved)
+    print(f"{name:22}{row}{max(steps):10.1f}{before:9.0f}{resident():9.0f}  {told}", flush=True)
 
 
 def sheet(side: int) -> bpy.types.Object:
@@ -86,7 +100,8 @@ def main() -> None:
     obj = sheet(side)
     key(obj, {1: 0.3, last // 3: 1.6, 2 * last // 3: -1.2, last: 0.8})
     print(f"{last} frames, {len(obj.data.vertices)} vertices; seconds, ms, MB")
-    print(f"{'':24}{'read':>8}{'solve':>8}{'write':>8}{'longest':>10}{'last':>10}{'before':>9}{'after':>9}")
+    phases = "".join(f"{phase:>8}{'cpu':>6}" for phase in ("read", "solve", "write"))
+    print(f"{'':22}{phases}{'longest':>10}{'before':>9}{'after':>9}")
 
     scene = begin_shape(bpy.context)
     plan = inbetweens.plan(scene)

@@ -105,3 +105,34 @@ def test_script_of_the_page_on_baking(tmp_path):
     exec(f"import bpy\nbpy.context.object{baked}", {})
     assert len(obj.data.shape_keys.key_blocks) == 1 + 49
     assert np.allclose(shown(), before, atol=1e-6)
+
+
+def test_script_of_the_motion_page():
+    twin = standing_sheet()
+    twin.name = "Twin"
+    obj = standing_sheet()
+    bpy.ops.planar.add_pin(location=(-0.5, 0.0, 0.5))
+    bpy.ops.planar.add_pin(location=(0.5, 0.0, 0.5))  # the new pin is the selected one
+    for frame, offset in (
+        (1, (0.0, 0.0)),
+        (13, (-0.3, 0.6)),
+        (25, (0.1, -0.9)),
+        (29, (0.05, 0.0)),
+        (33, (0.05, 0.0)),
+    ):
+        bpy.context.scene.frame_set(frame)
+        bpy.ops.planar.drag_pins(offset=offset)
+        bpy.ops.planar.key_pose()
+    bpy.ops.planar.generate_inbetweens()
+
+    def shown(thing, frame):
+        bpy.context.scene.frame_set(frame)
+        return evaluated(thing)
+
+    before = {frame: shown(obj, frame) for frame in (1, 7, 13, 20, 29, 31)}
+    exec(script_of("motion.md"), {})
+    change = {frame: np.abs(shown(obj, frame) - shape).max() for frame, shape in before.items()}
+    assert change[7] > 0.05
+    assert all(change[frame] < 0.015 for frame in (1, 13, 20, 29, 31)), "thinned at most"
+    assert all(np.allclose(shown(twin, frame), shown(obj, frame), atol=0.03) for frame in before)
+    assert len(obj.planar.poses) < len(twin.planar.poses) == 5
