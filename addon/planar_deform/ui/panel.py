@@ -10,6 +10,7 @@ import numpy as np
 
 from ..scene import compat, modifiers, snapshot, stiffness
 from ..scene.access import pose_refusal
+from ..scene.shape import is_outline
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
 # Of the drawing's size: pins are soft, and below this the solver itself calls a handle reached.
@@ -87,7 +88,8 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.type == "MESH"
+        obj = context.object
+        return obj is not None and obj.type == "MESH" and not is_outline(obj)
 
     def draw(self, context):
         layout = self.layout
