@@ -4,10 +4,11 @@
 import bpy
 import numpy as np
 import pytest
-from sequences import curve_of, filled, key, shown_at, stored, timing
+from sequences import curve_of, filled, key, pull, shown_at, stored, timing
 from support import (
     PLANES,
     activate,
+    add_pins,
     bar,
     coordinates,
     evaluated,
@@ -66,6 +67,38 @@ def test_on_a_moved_turned_scaled_one_in_another_plane():
         )
     ]
     assert sizes[1] == pytest.approx(1.5 * sizes[0], rel=1e-5)
+
+
+@pytest.mark.parametrize("turned", ["scale", "rotation"])
+def test_on_one_that_is_seen_from_behind(turned):
+    source = filled(name="Source")
+    target = twin(source)
+    if turned == "scale":
+        target.scale.x = -1.0
+    else:
+        target.rotation_euler.y = np.pi
+    assert transfer(source, target) == {"FINISHED"}
+    for frame in (1, 8, 13, 20, 25):
+        assert shown_at(target, frame) == pytest.approx(shown_at(source, frame), abs=1e-5)
+
+
+def test_with_layers_and_loose_vertices():
+    """Parts in planes of their own keep their depths, and what no face joins stays where it is."""
+    vertices, faces = grid(6, 3)
+    back, more = grid(6, 3, origin=(1.5, 0.3), depth=-0.2)
+    points = np.concatenate([vertices, back, [[5.0, 5.0, 5.0]]])
+    layers = [*faces.tolist(), *(more + len(vertices)).tolist()]
+    source = make_object(points, layers, name="Source")
+    add_pins(source, [0, 7, 14, 21], [28 + 6, 28 + 13])
+    key(source, 1)
+    pull(source, 9, (0.3, 0.6))
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    target = make_object(points * [2, 2, 3] + [0, 0, 1], layers, name="Large")
+    assert transfer(source, target) == {"FINISHED"}
+    for frame in (1, 5, 9):
+        expected = shown_at(source, frame).astype(float) * [2, 2, 3] + [0, 0, 1]
+        assert shown_at(target, frame) == pytest.approx(expected, abs=1e-5)
+    assert np.abs(shown_at(target, 9) - shown_at(target, 1)).max() > 0.5
 
 
 def test_another_shape_moves_by_its_own_edges():
