@@ -89,6 +89,10 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
             )
         return super().invoke(context, event)
 
+    def cancel(self, context):
+        if hasattr(self, "_run"):  # it is not the question that has been answered by no
+            super().cancel(context)
+
     def job(self, context):
         obj = context.object
         self._complete(context)

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, FloatProperty
 
 from .. import native
 from ..model.breakdown import FURTHEST, WIDTH, Slider, limited
-from ..scene import breakdown, snapshot
+from ..scene import breakdown, modifiers, snapshot
 from ..scene.access import ObjectGone, Refusal
 from ..scene.breakdown import Way
 from .interactive import PASSED_ON, put_away, put_up
@@ -53,7 +53,11 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     @classmethod
     def refusal(cls, context):
         reason = super().refusal(context)
-        return reason or breakdown.refusal(context.object, context.scene.frame_current_final)
+        return (
+            reason
+            or modifiers.covering(context.object)
+            or breakdown.refusal(context.object, context.scene.frame_current_final)
+        )
 
     def apply(self, context):
         try:

@@ -36,7 +36,8 @@ class Job:
     # end, or ended by an error, it has put everything back as it was, to the bit.
     write: Callable[[Any], Iterator[float]]
     # Runs in a thread, so without Blender's data. Told False by `progress`, it may raise native.Cancelled.
-    solve: Callable[[Progress], Any] = lambda _: None
+    # None: nothing is to be solved, and `write` is given None.
+    solve: Callable[[Progress], Any] | None = None
     # What to tell the user in the end, from what `solve` returned.
     summary: Callable[[Any], str] | None = None
 
@@ -46,7 +47,7 @@ class LongRun:
 
     def __init__(self, job: Job):
         self._job = job
-        self._work = Work(job.solve)
+        self._work = Work(job.solve or (lambda _: None))
         self._writing: Iterator[float] | None = None
         self._written = 0.0
         self.stopped = False
@@ -54,6 +55,8 @@ class LongRun:
     @property
     def share(self) -> float:
         """Done, 0 to 1; solving and writing are half of it each."""
+        if self._job.solve is None:
+            return self._written
         return 0.5 * (self._work.share if self._writing is None else 1.0 + self._written)
 
     @property
