@@ -307,7 +307,7 @@ def save_pictures(folder: Path, images: Mapping[str, Image.Image]) -> None:
     """Pictures for the docs by name, no wider than a page needs, as JPEG."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, image in images.items():
-        width = min(image.width, 1500)
+        width = min(image.width, 1100 if name == "film" else 1500)
         size = (width, round(width * image.height / image.width))
         small = image.resize(size, Image.Resampling.LANCZOS)
         small.save(folder / f"{name}.jpg", quality=85, optimize=True)

@@ -88,6 +88,23 @@ def timeline_below(window: Any) -> Iterator[None]:
     yield from window.wait(0.5)
 
 
+def graph_below(window: Any) -> Iterator[None]:
+    """A Graph Editor in place of the timeline, high enough for the curve of the poses."""
+    area = next(area for area in window.window.screen.areas if area.type == "DOPESHEET_EDITOR")
+    area.ui_type = "FCURVES"
+    yield from window.wait(0.3)
+    middle, edge = area.x + area.width // 2, area.y + area.height
+    yield from window.hover((middle, edge))
+    yield from window.press()
+    yield from window.move((middle, edge + 200), steps=8)
+    yield from window.release()
+    yield from window.wait(0.3)
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window.window, area=area, region=region):
+        bpy.ops.graph.view_all()
+    yield from window.wait(0.5)
+
+
 def pulled(window: Any, name: str, by: tuple[int, int]) -> Iterator[None]:
     """Press a pin, move it by pixels, and wait until the drawing has followed; the button stays down."""
     x, y = pin_place(window, name)
@@ -144,6 +161,32 @@ def test_poses(window: Any) -> Iterator[None]:
         save("poses", shot(window, "poses"))
     finally:
         bpy.utils.register_class(pins)
+
+
+def test_inbetweens(window: Any) -> Iterator[None]:
+    """The curve below the drawing."""
+    pins = addon("ui.panel").PLANAR_PT_pins
+    yield from opened(window, "Lantern Fox", WAVE + 13, (0.35, 2.0), 7.6)
+    bpy.utils.unregister_class(pins)
+    try:
+        bpy.context.object.planar.show_onion = True
+        yield from graph_below(window)
+        save("inbetweens", shot(window, "inbetweens"))
+    finally:
+        bpy.utils.register_class(pins)
+
+
+def test_breakdown(window: Any) -> Iterator[None]:
+    yield from opened(window, "River Dragon", WAVE + 36, (0.3, 2.0), 9.6)
+    yield from large_view(window)
+    bpy.context.object.planar.show_onion = True
+    yield from window.hover((400, 300))
+    with window.context():
+        bpy.ops.planar.breakdown("INVOKE_DEFAULT")
+    yield from window.move((480, 300), steps=4)
+    yield from window.wait(0.5)
+    save("breakdown", shot(window, "breakdown", window.area))
+    yield from window.key("ESC")
 
 
 def test_quality(window: Any) -> Iterator[None]:
