@@ -34,10 +34,11 @@ def in_order(count: int, visits: Sequence[Visit]) -> list[Entry]:
         else:
             behind.setdefault(latest, []).append(block)
     entries = [Entry(block, None, None) for block in behind.pop(-1, [])]
+    there: set[int] = set()
     for number, visit in enumerate(visits):
         passed = behind.pop(visit.pose, [])
-        copy = any(entry.block == visit.pose for entry in entries)
-        entries.append(Entry(visit.pose, visit.first, visit.last, copy))
+        entries.append(Entry(visit.pose, visit.first, visit.last, visit.pose in there))
+        there.add(visit.pose)
         if number + 1 == len(visits):
             entries += [Entry(block, None, None) for block in passed]
             continue

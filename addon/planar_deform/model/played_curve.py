@@ -35,19 +35,19 @@ class Visit:
 
 
 def visits(timeline: Array, places: Sequence[float]) -> list[Visit]:
-    """The poses at `places` that keys (k x 2: frame, value, in order of time) stand at.
+    """The poses at `places` (ascending) that keys (k x 2: frame, value, in order of time) stand at.
 
     Keys of other values are retiming, and no visits.
     """
     found: list[Visit] = []
-    for frame, value in timeline.tolist():
-        near = [index for index, place in enumerate(places) if abs(place - value) < SAME_PLACE]
-        if not near:
+    at = np.searchsorted(places, timeline[:, 1] - SAME_PLACE)
+    for (frame, value), pose in zip(timeline.tolist(), at.tolist(), strict=True):
+        if pose == len(places) or places[pose] > value + SAME_PLACE:
             continue
-        if found and found[-1].pose == near[0]:
-            found[-1] = Visit(near[0], found[-1].first, frame)
+        if found and found[-1].pose == pose:
+            found[-1] = Visit(pose, found[-1].first, frame)
         else:
-            found.append(Visit(near[0], frame, frame))
+            found.append(Visit(pose, frame, frame))
     return found
 
 

@@ -149,17 +149,19 @@ def _expand(obj: bpy.types.Object, plan: Plan, shown: Array) -> None:
     rows = pose_curve.rows(curve)
     old = np.array(plan.starts)
     was = offsets(rows, old, FIRST + SPACING * np.arange(len(old)), settings.curve_before)
+    times: dict[int, list[int]] = {}  # the entries of each block
+    for index, known in enumerate(plan.entries):
+        times.setdefault(known.block, []).append(index)
     keys = zip(was.pose.tolist(), rows.keys[:, 0].tolist(), strict=True)
-    entry = np.array([_entry_of(plan, block, frame) for block, frame in keys])
+    entry = np.array([_entry_at(plan, times[block], frame) for block, frame in keys])
     plain = FIRST + SPACING * np.arange(len(shown))
     pose_curve.write_rows(curve, moved(plain[entry][:, None] + was.values, plain, shown))
     before = Offsets(entry, was.values, was.sides, was.exact)
     settings.curve_before = remember(pose_curve.rows(curve), before)
 
 
-def _entry_of(plan: Plan, block: int, frame: float) -> int:
-    """Which time that a block is played is meant by a key at a frame."""
-    found = [index for index, entry in enumerate(plan.entries) if entry.block == block]
+def _entry_at(plan: Plan, found: Sequence[int], frame: float) -> int:
+    """Which of the times that a block is played is meant by a key at a frame."""
     begun = [index for index in found if (first := plan.entries[index].first) is not None and first <= frame]
     return begun[-1] if begun else found[0]
 

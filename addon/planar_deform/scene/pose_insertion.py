@@ -103,7 +103,7 @@ def close_up(blocks: list[Block]) -> list[Block]:
 def _keyed_only_there(blocks: list[Block], timeline: np.ndarray, frame: float) -> Block | None:
     """The pose that is keyed at this frame and at no other."""
     values = timeline[np.abs(timeline[:, 0] - frame) < SAME_FRAME, 1]
-    for block in blocks:
+    for block in blocks if len(values) else ():
         if block.pose is None or block.source is None:
             continue
         there = (np.abs(values - block.source) < SAME_PLACE).any()

@@ -16,7 +16,7 @@ from . import sequence
 from .digests import digest, of_block
 from .playback import Block, blocks_of, whole
 from .points import bits
-from .pose_blocks import SPACING, block_at, keyed, places
+from .pose_blocks import SAME_PLACE, SPACING, block_at, keyed, places
 
 
 @dataclass(frozen=True)
@@ -114,12 +114,17 @@ class _Played:
     def __init__(self, obj: bpy.types.Object):
         self._way = obj.planar.anchor_path, obj.planar.smooth
         self._present = whole(places(obj.data.shape_keys))
+        present = set(self._present.tolist())
         self._stamps = Stamps(obj)
-        self.indices = [index for index, pose in enumerate(obj.planar.poses) if pose.at in self._present]
+        self.indices = [index for index, pose in enumerate(obj.planar.poses) if pose.at in present]
         self.poses = [obj.planar.poses[index] for index in self.indices]
         entries = entries_of(obj, [pose.at for pose in self.poses])
         self.entries = [entry for entry in entries if entry.first is not None]
-        self._digests = [self._stamps.shown(self.poses[entry.block]) for entry in self.entries]
+        played = [self.poses[entry.block] for entry in self.entries]
+        self._digests = [self._stamps.shown(pose) for pose in played]
+        self._renewed = [
+            digest != self._stamps.digest(pose.at) for digest, pose in zip(self._digests, played, strict=True)
+        ]
 
     def stamp(self, number: int) -> str:
         """Of what would be generated behind an entry now."""
@@ -131,9 +136,10 @@ class _Played:
         pose, following = self.poses[before.block], self.poses[after.block]
         if before.copy or after.copy or after.block != before.block + 1:
             return False  # they are to be put in the order of time
-        if any(self._stamps.shown(end) != self._stamps.digest(end.at) for end in (pose, following)):
-            return False  # they are to be renewed
-        between = self._present[(self._present > pose.at) & (self._present < following.at)]
+        if self._renewed[number] or self._renewed[number + 1]:
+            return False
+        low, high = np.searchsorted(self._present, (pose.at + SAME_PLACE, following.at))
+        between = self._present[low:high]
         generated = pose.at + SPACING * np.arange(1, pose.generated + 1)
         if not np.array_equal(between, generated):
             # Generated blocks have been removed by hand; or there are blocks of the user, and nothing else.
