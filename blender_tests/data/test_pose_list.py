@@ -248,3 +248,10 @@ def test_jumping_after_filling():
     assert bpy.context.scene.frame_current_final == 25.5
     assert same(evaluated(obj), poses[25.5])
     assert obj.active_shape_key.name == "Pose.001"
+
+
+def test_what_the_list_shows_cannot_be_animated():
+    obj, _ = bent_bar()
+    pose = obj.planar.poses[1]
+    for owner, name in ((pose, "frame"), (pose, "turns"), (obj.planar, "smooth")):
+        assert not owner.bl_rna.properties[name].is_animatable

@@ -97,6 +97,7 @@ class PlanarPose(bpy.types.PropertyGroup):
         description="Frame at which the pose is shown: the first of its keys on the curve",
         get=_frame_of,
         set=_retime,
+        options=set(),  # an animated one would move its own key in every frame
         step=100,
         precision=0,
     )
@@ -114,6 +115,7 @@ class PlanarPose(bpy.types.PropertyGroup):
         max=100,
         soft_min=-3,
         soft_max=3,
+        options=set(),
     )
     copy_of: StringProperty(options={"HIDDEN"})  # the pose that it repeats at a later time
     copied: StringProperty(options={"HIDDEN"})  # stamp of that when it was copied
@@ -184,10 +186,12 @@ class PlanarSettings(bpy.types.PropertyGroup):
         name="Path",
         description="Way from pose to pose of planted pins, else of all pins, else of the middle",
         items=PATHS,
+        options=set(),
     )
     smooth: BoolProperty(
         name="Smooth",
         description="Pass through the poses without a change of speed or direction there",
+        options=set(),
     )
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
