@@ -82,6 +82,21 @@ def test_a_generated_shape_removed(generated):
     assert stored(obj) == before
 
 
+def test_a_generated_shape_removed_from_an_edited_stretch(generated):
+    obj, shapes, _ = generated
+    go_to(13)
+    write(obj, 7)
+    posed = evaluated(obj)
+    assert bpy.ops.planar.edit_sequence(keep_poses=True) == {"FINISHED"}
+    keys = obj.data.shape_keys.key_blocks
+    obj.shape_key_remove(keys[keys.find(block_of(obj, 1).name) + 2])  # of frame 11
+    assert stale(obj) == []
+    generate()  # leaves the edit alone
+    assert stale(obj) == []
+    assert same(shown_at(obj, 13), posed)
+    assert exact(obj, shapes)
+
+
 def test_a_pose_removed_from_blenders_list(generated):
     obj, shapes, _ = generated
     obj.shape_key_remove(block_of(obj, 1))

@@ -141,6 +141,8 @@ class _Played:
         low, high = np.searchsorted(self._present, (pose.at + SAME_PLACE, following.at))
         between = self._present[low:high]
         generated = pose.at + SPACING * np.arange(1, pose.generated + 1)
+        if pose.edited and np.isin(between, generated).any() and pose.stamp == self.stamp(number):
+            return True  # left alone, even if some have been removed by hand
         if not np.array_equal(between, generated):
             # Generated blocks have been removed by hand; or there are blocks of the user, and nothing else.
             return len(between) > 0 and not np.isin(between, generated).any()
