@@ -50,7 +50,7 @@ std::vector<Points> to_shapes(const std::string& name, py::handle value) {
 Eigen::MatrixXi to_turns(py::handle value, Eigen::Index n_transitions) {
   if (value.is_none()) return {};
   if (py::isinstance<py::int_>(value)) {
-    return Eigen::MatrixXi::Constant(n_transitions, 1, py::cast<int>(value));
+    return Eigen::MatrixXi::Constant(n_transitions, 1, to_indices("turns", py::make_tuple(value))[0]);
   }
   const py::array array = py::array::ensure(value);
   if (!array || (array.ndim() != 1 && array.ndim() != 2)) {

@@ -17,6 +17,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// Of the diagonal: edges that are shorter have no direction in numbers rounded to float32.
+constexpr double no_length = 1e-7;
+
 Complex place(const Points& x, Eigen::Index v) { return {x(v, 0), x(v, 1)}; }
 
 void require_frames(const std::vector<Points>& frames) {
@@ -102,6 +105,7 @@ std::vector<Points> assembled(const EdgeGraph& graph, const std::vector<Points>&
         const Complex p = points(v, column) + shift[centroids.group(v)];
         frame.row(v) << p.real(), p.imag();
       }
+      if (!frame.allFinite()) throw SolveError("the frames overflow: are their numbers sensible?");
     }
   });
   return result;
@@ -112,10 +116,11 @@ std::vector<Points> transfer(const std::vector<Points>& frames, const Points& ta
   require_rows("target", target.rows(), frames[0].rows(), "vertex of frames[0]");
   require_finite("target", target);
   const Complex whole = similarity(graph, frames[0], target);
+  const double shortest = no_length * diagonal_of({frames[0]});
   const auto edge_of = [&](std::size_t i, std::size_t k) {
     const Complex first = graph.vector(i, frames[0]), own = graph.vector(i, target);
     // An edge without length has no similarity of its own.
-    const Complex s = std::norm(first) > 0.0 ? own / first : whole;
+    const Complex s = std::abs(first) > shortest ? own / first : whole;
     return own + product(s, graph.vector(i, frames[k]) - first);
   };
   const Centroids centroids(graph);
@@ -164,11 +169,12 @@ std::vector<Points> edit(const std::vector<Points>& frames, const std::vector<Fr
     Change change{frame, &shape, Eigen::ArrayXd::Zero(n_edges),
                   unwrapped.between(frames[frame], shape).array(), centre(shape)};
     const std::vector<Complex> before = centre(frames[frame]);
+    const double shortest = no_length * diagonal_of({frames[frame], shape});
     for (std::size_t group = 0; group < before.size(); ++group) change.shift[group] -= before[group];
     for (Eigen::Index i = 0; i < n_edges; ++i) {
       const double from = std::abs(graph.vector(static_cast<std::size_t>(i), frames[frame])),
                    to = std::abs(graph.vector(static_cast<std::size_t>(i), shape));
-      if (from > 0.0 && to > 0.0) change.scale[i] = std::log(to / from);
+      if (from > shortest && to > shortest) change.scale[i] = std::log(to / from);
     }
     changes.push_back(std::move(change));
   }

@@ -182,5 +182,25 @@ TEST(InbetweenOfUnusualShapes, HugeAndTinyNumbersGiveFramesOrAnError) {
   }
 }
 
+TEST(MotionOfUnusualShapes, OverflowIsAnErrorAndEdgesWithoutLengthFollowTheOthers) {
+  const Shape shape = grid(4);
+  const auto frames = inbetween({shape.vertices, rigid_motion(grid(4, 2).vertices, 2.0, 1.0, 0.0)},
+                                uniform(5), shape.triangles);
+  std::vector<Points> huge = frames;
+  for (Points& frame : huge) frame *= 1e200;
+  EXPECT_THROW((void)transfer_motion(huge, huge[0], shape.triangles), SolveError);
+  // An edge that is rounding error at first and has a length later on.
+  for (const double apart : {0.0, 1e-12, 1e-9}) {
+    std::vector<Points> source = frames;
+    source[0].row(5) = source[0].row(6) + Eigen::RowVector2d(apart, 0.0);
+    for (const Points& frame : transfer_motion(source, shape.vertices, shape.triangles)) {
+      EXPECT_LT(frame.cwiseAbs().maxCoeff(), 10.0) << apart;
+    }
+    for (const Points& frame : edit_sequence(source, {{0, shape.vertices}}, shape.triangles)) {
+      EXPECT_LT(frame.cwiseAbs().maxCoeff(), 10.0) << apart;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace planar::testing

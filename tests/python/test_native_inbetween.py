@@ -155,6 +155,7 @@ def test_progress_can_cancel_and_fail():
         ({"turns": [[[1]]]}, "turns"),
         ({"turns": [1, 2]}, "turns"),
         ({"turns": 1000}, "turns"),
+        ({"turns": 10**12}, "turns"),
         ({"method": "best"}, "method: 'best'"),
         ({"anchor": [100]}, "anchor, row 0"),
         ({"anchor": [[1], [100]]}, "anchor: 2 sets"),
