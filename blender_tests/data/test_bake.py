@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from outlines import CURVES, MESHES, lines
 from sequences import curve_of, go_to, key, same, shown_at, stored, timing, write
 from support import PLANES, activate, add_end_pins, bar, coordinates, evaluated, make_object
 
@@ -213,6 +214,7 @@ def test_where_no_point_cache_can_be(tmp_path):
     assert "no folder" in refused(obj, "POINT_CACHE", filepath="//nowhere/x.pc2")
     assert "no folder" in refused(obj, "POINT_CACHE", filepath=str(tmp_path / "shot.blend" / "x.pc2"))
     assert "cannot be written" in refused(obj, "POINT_CACHE", filepath="/proc/x.pc2")  # even as root
+    assert "add one" in refused(obj, "POINT_CACHE", filepath=f"{tmp_path}/")
     (tmp_path / "dir.pc2").mkdir()
     assert "is a folder" in refused(obj, "POINT_CACHE", filepath="//dir")
     assert "exchange" in refused(obj, "POINT_CACHE", frame_start=5, frame_end=4)
@@ -237,6 +239,27 @@ def test_a_file_is_only_replaced_knowingly(tmp_path):
     bake(twin, "POINT_CACHE")
     assert twin.modifiers[0].filepath == "//Cutout_001_planar.pc2"
     assert path.read_bytes() == content
+
+
+def test_another_modifier_of_the_name_is_left_alone(tmp_path):
+    obj = keyed_bar()
+    saved(tmp_path)
+    obj.modifiers.new("Point Cache", "WAVE").show_viewport = False
+    bake(obj, "POINT_CACHE")
+    bake(obj, "POINT_CACHE", filepath="")
+    assert [m.type for m in obj.modifiers] == ["MESH_CACHE", "WAVE"]
+
+
+def test_a_cache_whose_folder_is_gone_is_put_beside_the_file_again(tmp_path):
+    obj = keyed_bar()
+    saved(tmp_path)
+    folder = tmp_path / "far"
+    folder.mkdir()
+    bake(obj, "POINT_CACHE", filepath="//far/x.pc2")
+    (folder / "x.pc2").unlink()
+    folder.rmdir()
+    bake(obj, "POINT_CACHE")
+    assert obj.modifiers[0].filepath == "//Cutout_planar.pc2"
 
 
 def test_a_bake_that_fails_or_is_stopped_leaves_nothing(tmp_path, monkeypatch):
@@ -344,6 +367,54 @@ def test_a_pose_that_is_shown_elsewhere_too_stays():
     shown = film(obj, [*range(1, 26), 40])
     bake(obj, "SHAPES")
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shown.items())
+
+
+@pytest.mark.parametrize("to", ["SHAPES", "POINT_CACHE", "RELATIVE_KEYS"])
+def test_generated_in_betweens_on_twos_are_baked(tmp_path, to):
+    obj = keyed_bar()
+    saved(tmp_path)
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    assert bpy.ops.planar.step_poses(step=2) == {"FINISHED"}
+    curve_of(obj).keyframe_points[1].co[0] += 4.0
+    shown = film(obj, range(1, 26))
+    bake(obj, to)
+    assert worst(obj, shown) < CLOSE
+    if to == "SHAPES":
+        assert not bpy.ops.planar.remove_inbetweens.poll()
+    if to != "RELATIVE_KEYS":
+        bpy.ops.planar.clear_poses()
+        assert obj.data.shape_keys is None
+
+
+@pytest.mark.parametrize("to", ["SHAPES", "POINT_CACHE", "RELATIVE_KEYS"])
+@pytest.mark.parametrize("kind", [*MESHES, *CURVES])
+def test_outlines_are_baked(tmp_path, kind, to):
+    from planar_deform.scene import points
+
+    obj = lines(kind)
+    for frame in (1, 5, 9):
+        key(obj, frame)
+        block = points.read_block(obj, obj.active_shape_key)
+        block[:, :2] += np.random.default_rng(frame).uniform(-0.1, 0.1, (len(block), 2))
+        points.write_block(obj.active_shape_key, block)
+    saved(tmp_path)
+
+    def shown():
+        result = []
+        for frame in range(1, 10):
+            go_to(frame)
+            bpy.context.view_layer.update()
+            mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+            result.append(coordinates(mesh.vertices))
+        return np.stack(result)
+
+    before = shown()
+    assert np.ptp(before, axis=0).max() > 0.05
+    if to == "POINT_CACHE" and kind in CURVES:
+        assert "not a mesh" in refused(obj, to)
+        return
+    assert bake(obj, to, frame_start=1, frame_end=9) == {"FINISHED"}
+    assert np.abs(shown() - before).max() < CLOSE
 
 
 # -- relative keys

@@ -112,7 +112,7 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
             "filepath": point_cache.default_path(context.object),
         }
         for name, value in defaults.items():
-            if not self.properties.is_property_set(name):
+            if not self.properties.is_property_set(name) or getattr(self, name) == "":
                 setattr(self, name, value)
 
     def _summary(self, frames):

@@ -32,14 +32,15 @@ SNAP = 5e-5
 
 def modifier_of(obj: bpy.types.Object) -> bpy.types.Modifier | None:
     """The modifier that an earlier bake has made."""
-    modifier = obj.modifiers.get(MODIFIER)
-    return modifier if modifier is not None and modifier.type == "MESH_CACHE" else None
+    ours = (m for m in obj.modifiers if m.type == "MESH_CACHE" and m.name.split(".")[0] == MODIFIER)
+    return next(ours, None)
 
 
 def default_path(obj: bpy.types.Object) -> str:
     """Where the object's cache is, or is put if nothing else is said: beside the .blend, under its name."""
     modifier = modifier_of(obj)
-    if modifier is not None and modifier.filepath and not _other_users(obj, _file_of(modifier)):
+    path = None if modifier is None else _file_of(modifier)
+    if path is not None and path.parent.is_dir() and not _other_users(obj, path):
         return modifier.filepath
     return f"//{bpy.path.clean_name(obj.name)}_planar{SUFFIX}"
 
@@ -52,11 +53,15 @@ def checked_path(obj: bpy.types.Object, filepath: str, *, replace: bool) -> Path
     if not bpy.data.filepath and filepath.startswith("//"):
         raise Refusal("The point cache is kept beside the .blend: save that first, or give an absolute path")
     path = _file(filepath)
+    if not path.suffix:
+        raise Refusal(f"'{filepath}' is no name of a file: add one")
     if not path.parent.is_dir():
         raise Refusal(f"There is no folder '{path.parent}': make it, or choose another")
     others = _other_users(obj, path)
     if others:
-        raise Refusal(f"'{path.name}' is the point cache of '{others[0]}': choose another name")
+        raise Refusal(
+            f"'{path.name}' is the point cache of '{others[0]}': choose another name, or rename one"
+        )
     if path.is_dir():
         raise Refusal(f"'{path}' is a folder: choose another name")
     if path.exists():
