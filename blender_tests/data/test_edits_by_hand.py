@@ -294,3 +294,38 @@ def test_a_new_pose_with_the_name_of_one_that_others_repeated():
     assert "Pose" in [pose.name for pose in obj.planar.poses]
     generate()
     assert same(shown_at(obj, 17), loop)
+
+
+def test_two_objects_with_poses_joined():
+    """Blender merges their shape keys by name, and leaves those that one has alone where they were."""
+    first, second = bar(nx=6, ny=2, name="First"), bar(nx=6, ny=2, name="Second")
+    shapes = {frame: key(first, frame, frame) for frame in FRAMES}
+    generate()
+    for frame in (1, 5, 17, 30):
+        key(second, frame, frame)
+    generate()
+    go_to(1)
+    activate(first)
+    second.select_set(True)
+    bpy.ops.object.join()
+    before = stored(first)
+    names = ("key_pose", "generate_inbetweens", "remove_inbetweens", "clear_poses")
+    assert not any(getattr(bpy.ops.planar, name).poll() for name in names)
+    assert stored(first) == before
+    count = len(shapes[1])
+    assert all(same(shown_at(first, frame)[:count], shape) for frame, shape in shapes.items())
+
+
+@pytest.mark.parametrize("generated", ["bar", "edge soup"], indirect=True)  # of curves: test_outlines.py
+def test_an_object_without_poses_joined_to_one_with_poses(generated):
+    obj, shapes, _ = generated
+    other = bar(nx=2, ny=1, name="Other")
+    other.location.y = 5.0
+    activate(obj)
+    other.select_set(True)
+    bpy.ops.object.join()
+    generate()
+    count = len(shapes[1])
+    assert all(same(shown_at(obj, frame)[:count], shape) for frame, shape in shapes.items())
+    shapes[5] = key(obj, 5, 4)[:count]
+    assert all(same(shown_at(obj, frame)[:count], shape) for frame, shape in shapes.items())

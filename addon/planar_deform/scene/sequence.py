@@ -81,15 +81,28 @@ def refusal(obj: bpy.types.Object) -> str | None:
     if obj.show_only_shape_key:
         return "Only the active shape key is shown: turn off Shape Key Lock in the Shape Keys panel"
     ours = has_blocks(obj)
-    if ours and keys.use_relative:
+    reason = _own_blocks_refusal(keys) if ours else _foreign_blocks_refusal(keys)
+    return reason or _animation_refusal(keys, ours)
+
+
+def _own_blocks_refusal(keys: bpy.types.Key) -> str | None:
+    if keys.use_relative:
         return "Keyed poses are absolute shape keys: turn off Relative in the Shape Keys panel"
-    if not ours and not keys.use_relative:
+    out_of_order = np.flatnonzero(np.diff(places(keys)) < SAME_PLACE)
+    if len(out_of_order):
+        name = keys.key_blocks[int(out_of_order[0]) + 1].name
+        return f"Shape key '{name}' came from another object's poses: undo joining them, or clear those first"
+    return None
+
+
+def _foreign_blocks_refusal(keys: bpy.types.Key) -> str | None:
+    if not keys.use_relative:
         return f"The mesh has absolute shape keys of its own: {ON_A_COPY}"
     others = [block.name for block in keys.key_blocks[1:]]
-    if not ours and (others not in ([], [POSE_KEY]) or places(keys).max() >= FIRST):
+    if others not in ([], [POSE_KEY]) or places(keys).max() >= FIRST:
         names = ", ".join(others[:3]) + (", ..." if others[3:] else "")
         return f"The mesh has shape keys of its own ({names}): {ON_A_COPY}"
-    return _animation_refusal(keys, ours)
+    return None
 
 
 def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
