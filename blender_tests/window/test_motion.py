@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 
 import bpy
 import numpy as np
-from cutouts import active, sheet
+from cutouts import active, moved, ready, sheet
 from harness import Window, addon
+from poses import LEFT, RIGHT, at, pull, shown, stored
 
 LAST = 301
 OPERATOR = "PLANAR_OT_generate_inbetweens"
@@ -59,23 +60,6 @@ def until(window: Window, met: Callable[[], bool], seconds: float = 120.0) -> It
 
 def writing() -> bool:
     return run() is None or run().share > 0.55
-
-
-def stored() -> list:
-    """All that is stored of the shapes and their timing."""
-    obj = active()
-    keys = obj.data.shape_keys
-    if keys is None:
-        return []
-    shapes = []
-    for block in keys.key_blocks:
-        co = np.empty(len(block.data) * 3, np.float32)
-        block.data.foreach_get("co", co)
-        shapes.append((block.name, block.frame, co.tobytes()))
-    curve = addon("scene.pose_blocks").shown_curve(keys)
-    timing = [(tuple(point.co), point.interpolation) for point in curve.keyframe_points]
-    poses = [(pose.name, pose.at, pose.generated, pose.stamp) for pose in obj.planar.poses]
-    return [shapes, timing, poses, keys.eval_time, obj.active_shape_key_index]
 
 
 def test_escape_while_it_is_solved_and_while_it_is_written(window: Window) -> Iterator[None]:
@@ -167,3 +151,61 @@ def test_undo_and_another_file_meanwhile_end_it(window: Window) -> Iterator[None
         for thing in list(bpy.data.objects):
             bpy.data.objects.remove(thing)
         yield
+
+
+def test_a_pose_between_the_keyed_ones_is_spread_and_carried_over(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    for frame, height in ((1, 0.5), (25, -1.0)):
+        bpy.context.scene.frame_set(frame)
+        yield
+        yield from pull(window, 0.0, height)
+        with window.context("UI"):
+            bpy.ops.planar.key_pose("INVOKE_DEFAULT", True)
+        yield
+    invoke(window, bpy.ops.planar.generate_inbetweens)
+    yield from until(window, lambda: window.busy == [])
+    before = {frame: at(frame) for frame in (1, 13, 25)}
+    bpy.context.scene.frame_set(13)
+    yield
+    yield from pull(window, 0.3, 0.4)
+    wanted = shown()
+    assert moved(wanted, before[13]) > 0.2
+    invoke(window, bpy.ops.planar.edit_sequence)
+    yield from until(window, lambda: window.busy == [])
+    assert np.allclose(at(13), wanted, atol=1e-6)
+    assert moved(at(1), before[1]) > 0.1
+    last = bpy.context.window_manager.operators[-1]
+    assert last.bl_idname == "PLANAR_OT_edit_sequence"
+    last.properties.keep_poses = True
+    bpy.context.scene.frame_set(13)
+    with window.context():
+        bpy.ops.ed.undo_redo("EXEC_DEFAULT", True)
+    yield
+    assert np.array_equal(at(1), before[1])
+    assert np.array_equal(at(25), before[25])
+    assert np.allclose(at(13), wanted, atol=1e-6)
+
+    source = active()
+    name = source.name
+    twin = sheet("Twin", at=(0.0, 0.5, 0.0))
+    twin.select_set(True)
+    bpy.context.view_layer.objects.active = source
+    source.select_set(True)
+    bpy.ops.ed.undo_push(message="Twin")
+    invoke(window, bpy.ops.planar.transfer_motion)
+    yield from until(window, lambda: window.busy == [])
+    for frame in (1, 7, 13, 25):
+        here = at(frame)
+        bpy.context.view_layer.objects.active = bpy.data.objects["Twin"]
+        there = shown()
+        bpy.context.view_layer.objects.active = bpy.data.objects[name]
+        assert np.allclose(there, here, atol=1e-5), frame
+    yield from window.undo()
+    assert bpy.data.objects["Twin"].data.shape_keys is None, "one undo step"
+    yield
+
+
+def invoke(window: Window, operator: Callable) -> None:
+    """Run an operator as its button does."""
+    with window.context("UI"):
+        assert operator("INVOKE_DEFAULT", True) <= {"FINISHED", "RUNNING_MODAL"}

@@ -23,6 +23,11 @@ class MotionOperator(LongOperator):
             return "No poses are keyed: use Key Pose first"
         return reason or sequence.refusal(context.object)
 
+    @classmethod
+    def repeats(cls, context) -> bool:
+        """Whether it has just been done: the redo panel asks before it takes back what that has changed."""
+        return isinstance(context.active_operator, cls)
+
 
 class PLANAR_OT_transfer_motion(MotionOperator, bpy.types.Operator):
     bl_idname = "planar.transfer_motion"
@@ -53,7 +58,7 @@ class PLANAR_OT_edit_sequence(MotionOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context):
-        return super().refusal(context) or edit_refusal(context)
+        return super().refusal(context) or (None if cls.repeats(context) else edit_refusal(context))
 
     def job(self, context):
         edit = SequenceEdit(context, self.keep_poses)
@@ -76,7 +81,7 @@ class PLANAR_OT_thin_poses(MotionOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context):
-        return super().refusal(context) or thin_refusal(context)
+        return super().refusal(context) or (None if cls.repeats(context) else thin_refusal(context))
 
     def job(self, context):
         thinning = Thinning(context, self.tolerance)
