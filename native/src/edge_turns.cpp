@@ -69,6 +69,15 @@ double median(std::vector<double>& values) {
 
 double wrapped(double angle) { return angle - full_turn * std::round(angle / full_turn); }
 
+Complex triangle_turn(Complex s1, Complex s2, Complex d1, Complex d2) {
+  // The Jacobian is z -> αz + βz̄; the rotation of its polar decomposition is that of α.
+  const double area = product(s1, std::conj(s2)).imag();
+  // A triangle without area has no Jacobian, but its sides still turn.
+  if (area == 0.0) return product(d1, std::conj(s1)) + product(d2, std::conj(s2));
+  const Complex numerator = product(d1, std::conj(s2)) - product(d2, std::conj(s1));
+  return product(numerator, Complex(0.0, area > 0.0 ? -1.0 : 1.0));
+}
+
 EdgeTurns::EdgeTurns(const EdgeGraph& graph) : graph_(graph) {
   const Triangles& triangles = graph.triangles;
   if (triangles.rows() == 0) {
@@ -126,13 +135,7 @@ Eigen::VectorXd EdgeTurns::of_triangles(const Points& from, const Points& to) co
   for (Eigen::Index t = 0; t < angles.size(); ++t) {
     const int a = graph_.triangles(t, 0), b = graph_.triangles(t, 1), c = graph_.triangles(t, 2);
     const Complex s1 = side(from, a, b), s2 = side(from, a, c), d1 = side(to, a, b), d2 = side(to, a, c);
-    // The Jacobian is z -> αz + βz̄; the rotation of its polar decomposition is that of α.
-    const double area = product(s1, std::conj(s2)).imag();
-    const Complex numerator = product(d1, std::conj(s2)) - product(d2, std::conj(s1));
-    Complex turn = product(numerator, Complex(0.0, area > 0.0 ? -1.0 : 1.0));
-    // A triangle without area has no Jacobian, but its sides still turn.
-    if (area == 0.0) turn = product(d1, std::conj(s1)) + product(d2, std::conj(s2));
-    angles[t] = std::arg(turn);
+    angles[t] = std::arg(triangle_turn(s1, s2, d1, d2));
   }
   return angles;
 }

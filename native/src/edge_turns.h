@@ -38,6 +38,12 @@ class EdgeTurns {
   std::vector<std::size_t> first_vertex_edge_;
 };
 
+/// The rotation of the polar decomposition of a triangle's Jacobian, times a positive number, from two of its
+/// sides s1 and s2 and what they become; of a triangle without area the one that takes its sides nearest to
+/// them.
+std::complex<double> triangle_turn(std::complex<double> s1, std::complex<double> s2, std::complex<double> d1,
+                                   std::complex<double> d2);
+
 /// The angle between -π and π that differs from it by whole turns.
 double wrapped(double angle);
 

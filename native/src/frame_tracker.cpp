@@ -50,11 +50,10 @@ FrameTracker::FrameTracker(const Triangles& triangles, const Points& from, const
       parts_(at(mesh_.n_parts), 1),
       solver_(SparseSolver::create(default_backend())),
       matrix_(mesh_, numbered(mesh_, *solver_)),
-      from_orientation_(from, triangles),
-      to_orientation_(to, triangles),
-      from_energy_(from, matrix_, from_orientation_, {}),
-      to_energy_(to, matrix_, to_orientation_, {}),
-      diagonal_(std::max(diagonal_of(from), diagonal_of(to))) {
+      orientation_(from, triangles),
+      blended_(from, to, triangles),
+      diagonal_(std::max(diagonal_of(from), diagonal_of(to))),
+      energy_(energy_at(0.5)) {
   const auto n_used = mesh_.n_vertices - std::count(mesh_.part.begin(), mesh_.part.end(), -1);
   const double share =
       0.5 * (area_of(from, triangles) + area_of(to, triangles)) / static_cast<double>(n_used);
@@ -62,32 +61,21 @@ FrameTracker::FrameTracker(const Triangles& triangles, const Points& from, const
   solver_->analyze(matrix_.matrix());
 }
 
-double FrameTracker::value(const Points& x) const {
-  return (1.0 - u_) * from_energy_.value(x) + u_ * to_energy_.value(x) + pull_ * (x - y_).squaredNorm();
-}
-
-double FrameTracker::value_and_gradient(const Points& x) {
-  const double from = from_energy_.gradient(x, gradient_), to = to_energy_.gradient(x, other_gradient_);
-  gradient_ = (1.0 - u_) * gradient_ + u_ * other_gradient_ + 2.0 * pull_ * (x - y_);
-  return (1.0 - u_) * from + u_ * to + pull_ * (x - y_).squaredNorm();
+RestEnergy FrameTracker::energy_at(double u) const {
+  return {[&](int t, int v) { return blended_.corner(t, v, u); }, matrix_, orientation_, {}};
 }
 
 /// Fills in direction_ by a Newton step, or by one in the Killing metric.
 void FrameTracker::solve(bool killing, const Points& x) {
+  double factor = scale_;
   if (killing) {
-    // The energies' Hessian is twice K, see HoldMethod; here all is doubled.
     matrix_.assemble(x, {}, parts_);
-    for (std::size_t i = 0; i < matrix_.matrix().value.size(); ++i) matrix_.values()[i] *= 2.0;
+    factor *= 2.0;  // the energy's Hessian is twice K, see HoldMethod
   } else {
     matrix_.set_zero();
-    const std::size_t size = matrix_.matrix().value.size();
-    // The smaller share first, scaled by their ratio, then the sum by the larger one.
-    const double larger = std::max(u_, 1.0 - u_);
-    (u_ < 0.5 ? to_energy_ : from_energy_).add_hessian(x, parts_, matrix_);
-    for (std::size_t i = 0; i < size; ++i) matrix_.values()[i] *= (1.0 - larger) / larger;
-    (u_ < 0.5 ? from_energy_ : to_energy_).add_hessian(x, parts_, matrix_);
-    for (std::size_t i = 0; i < size; ++i) matrix_.values()[i] *= larger;
+    energy_.add_hessian(x, parts_, matrix_);
   }
+  for (std::size_t i = 0; i < matrix_.matrix().value.size(); ++i) matrix_.values()[i] *= factor;
   for (int v = 0; v < mesh_.n_vertices; ++v) {
     if (mesh_.part[at(v)] >= 0) matrix_.add(v, v, 2.0 * pull_);
   }
@@ -107,29 +95,34 @@ void FrameTracker::solve(bool killing, const Points& x) {
 }
 
 bool FrameTracker::keeps_upright(const Points& x) {
-  from_orientation_.measure(x, trial_area_);
+  orientation_.measure(x, trial_area_);
   for (std::size_t t = 0; t < area_.size(); ++t) {
     if (area_[t] > 0.0 && !(trial_area_[t] > 0.0)) return false;
   }
   return true;
 }
 
-void FrameTracker::follow(const Points& y, double u, double settled, Points& x) {
+Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, double u, double settled) {
   y_ = y;
-  u_ = u;
-  from_orientation_.measure(x, area_);
+  energy_ = energy_at(u);
+  scale_ = 4.0 * u * (1.0 - u);
+  Points result = predicted(x, of, y);
+  minimise(settled, result);
+  return result;
+}
+
+void FrameTracker::minimise(double settled, Points& x) {
+  orientation_.measure(x, area_);
   for (int step = 0; step < most_steps; ++step) {
-    const double start = value_and_gradient(x);
+    const double start = scale_ * energy_.gradient(x, gradient_) + pull_ * (x - y_).squaredNorm();
+    gradient_ = scale_ * gradient_ + 2.0 * pull_ * (x - y_);
     if (!std::isfinite(start)) throw SolveError("a frame cannot be kept from flipping");
     solve(false, x);
-    const auto collapse_of = [&] {
-      return std::min(from_energy_.first_collapse(x, direction_), to_energy_.first_collapse(x, direction_));
-    };
-    double collapse = collapse_of();
+    double collapse = energy_.first_collapse(x, direction_);
     const bool newton = collapse >= blocked;
     if (!newton) {
       solve(true, x);
-      collapse = collapse_of();
+      collapse = energy_.first_collapse(x, direction_);
     }
     const double longest = direction_.rowwise().norm().maxCoeff();
     const double slope = gradient_.cwiseProduct(direction_).sum();
@@ -147,6 +140,8 @@ void FrameTracker::follow(const Points& y, double u, double settled, Points& x) 
   }
 }
 
+/// Where to start for y from the solution x of a frame `of` near to it: moved as from `of` to y, rigidly
+/// where more would collapse a triangle. Vertices of other parts are y's.
 Points FrameTracker::predicted(const Points& x, const Points& of, const Points& y) const {
   struct Fit {
     double count = 0.0;
@@ -178,8 +173,7 @@ Points FrameTracker::predicted(const Points& x, const Points& of, const Points& 
     result.row(v) << p.real(), p.imag();
     bending.row(v) << left.real(), left.imag();
   });
-  const double collapse =
-      std::min(from_energy_.first_collapse(result, bending), to_energy_.first_collapse(result, bending));
+  const double collapse = energy_.first_collapse(result, bending);
   // Near to a collapse the barrier is steep: better well away from it.
   if (collapse > 2.0) result += bending;
   return result;

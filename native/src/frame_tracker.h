@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "blended_triangles.h"
 #include "killing_energy.h"
 #include "mesh.h"
 #include "orientation.h"
@@ -14,28 +15,26 @@ namespace planar {
 
 /// Takes frames in which triangles are flipped to near ones in which none is: minimises
 ///
-///   (1-u) E_from(x) + u E_to(x) + w Σ m |x - y|²
+///   4u(1-u) E_u(x) + w Σ m |x - y|²
 ///
-/// from a shape without flips, with y the frame at u, E_from and E_to the rest energies of the two keys, m an
-/// equal share of the area and w = 10 / (diagonal/50)². At the keys it leaves y as it is, and its minimum
-/// moves with y. By projected Newton steps, in the Killing metric where a triangle blocks them.
+/// from a shape without flips, with y the frame at u, E_u the rest energy of the keys' blended triangles, m
+/// an equal share of the area and w = 10 / (diagonal/50)². E_u is least at the keys for the keys themselves,
+/// so that the solution leaves y slowly; with the factor before it it even has the velocities of y there. By
+/// projected Newton steps, in the Killing metric where a triangle blocks them.
 class FrameTracker {
  public:
   /// \param triangles of the parts to work on; other vertices stay
   FrameTracker(const Triangles& triangles, const Points& from, const Points& to);
 
-  /// Takes x, in which no triangle is flipped, to the minimum for the frame y at u, until a step is at most
-  /// `settled` of the keys' diagonal.
-  /// \throw SolveError numbers overflow
-  void follow(const Points& y, double u, double settled, Points& x);
-
-  /// Where to start for y from the solution `x` of a frame `of` near to it: moved as from `of` to y, rigidly
-  /// where more would collapse a triangle. Vertices of other parts are y's.
-  Points predicted(const Points& x, const Points& of, const Points& y) const;
+  /// The minimum for the frame y at u, from the solution x of a frame `of` near to it, until a step is at
+  /// most `settled` of the keys' diagonal. \throw SolveError numbers overflow
+  Points follow(const Points& x, const Points& of, const Points& y, double u, double settled);
 
  private:
-  double value(const Points& x) const;
-  double value_and_gradient(const Points& x);
+  Points predicted(const Points& x, const Points& of, const Points& y) const;
+  void minimise(double settled, Points& x);
+  RestEnergy energy_at(double u) const;
+  double value(const Points& x) const { return scale_ * energy_.value(x) + pull_ * (x - y_).squaredNorm(); }
   void solve(bool killing, const Points& x);
   bool keeps_upright(const Points& x);
 
@@ -43,14 +42,15 @@ class FrameTracker {
   std::vector<char> parts_;  ///< all of them, in the form that matrices take
   std::unique_ptr<SparseSolver> solver_;
   KillingMatrix matrix_;
-  Orientation from_orientation_, to_orientation_;
-  RestEnergy from_energy_, to_energy_;
+  Orientation orientation_;
+  BlendedTriangles blended_;
   double diagonal_;
   double pull_;  ///< w m
 
   // Of the frame under way.
-  double u_ = 0.0;
-  Points y_, gradient_, other_gradient_, direction_, trial_;
+  RestEnergy energy_;
+  double scale_ = 0.0;  ///< of energy_
+  Points y_, gradient_, direction_, trial_;
   Eigen::VectorXd unknown_;
   std::vector<double> area_, trial_area_;
 };

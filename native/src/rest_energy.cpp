@@ -70,11 +70,17 @@ inline RestEnergy::Jacobian RestEnergy::jacobian(const Triangle& triangle, const
 }
 
 RestEnergy::RestEnergy(const Points& rest, const MeshMatrix& matrix, const Orientation& orientation,
+                       const Eigen::VectorXd& stiffness)
+    : RestEnergy([&rest](int, int v) -> Eigen::Vector2d { return rest.row(v); }, matrix, orientation,
+                 stiffness) {}
+
+RestEnergy::RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Orientation& orientation,
                        const Eigen::VectorXd& stiffness) {
   for (const MeshMatrix::Element& element : matrix.elements()) {
     if (element.triangle < 0) continue;
-    const auto p = [&](std::size_t c) -> Eigen::Vector2d { return rest.row(element.vertex[c]); };
-    const std::array<Eigen::Vector2d, 3> side{p(2) - p(1), p(0) - p(2), p(1) - p(0)};
+    const auto p = [&](std::size_t c) { return rest_of(element.triangle, element.vertex[c]); };
+    const Eigen::Vector2d p0 = p(0), p1 = p(1), p2 = p(2);
+    const std::array<Eigen::Vector2d, 3> side{p2 - p1, p0 - p2, p1 - p0};
     const double factor = stiffness.size() != 0 ? stiffness[element.triangle] : 1.0;
     Triangle triangle{element.vertex, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     const double area = side[2].x() * -side[1].y() + side[2].y() * side[1].x();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "mesh_matrix.h"
@@ -35,6 +36,12 @@ class RestEnergy {
   /// \param matrix what add_hessian() will add to; its elements give the triangles
   /// \param stiffness m factors, or empty: all 1
   RestEnergy(const Points& rest, const MeshMatrix& matrix, const Orientation& orientation,
+             const Eigen::VectorXd& stiffness);
+
+  /// The same for triangles that do not fit together at rest: rest_of(t, v) is where triangle t has its
+  /// corner v.
+  using RestOf = std::function<Eigen::Vector2d(int t, int v)>;
+  RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Orientation& orientation,
              const Eigen::VectorXd& stiffness);
 
   /// Chooses the triangles to be repaired, those with det J below 1e-3 at x. To be called before the others

@@ -97,9 +97,10 @@ struct InbetweenOptions {
 /// 4. The unknowns live on a grid between two keys that depends on these two alone. Sampling between its
 /// frames interpolates each edge's length and angle, and assembles by (10).
 ///
-/// 5. Where triangles of a mesh would be flipped on the way, though they lie the same way round in both keys,
-/// the transition is tracked: its frames minimise w |x - y|² to the frame y as it was, plus the symmetric
-/// Dirichlet energies with respect to the two keys, blended, each starting from its neighbour.
+/// 5. Where triangles of a mesh would be flipped or three times as long or short as they should be on the
+/// way, though they lie the same way round in both keys, the transition is tracked: its frames minimise w |x
+/// - y|² to the frame y as it was, plus the symmetric Dirichlet energy with respect to the two keys'
+/// triangles, blended, each starting from its neighbour.
 ///
 /// 6. If smooth, lengths and angles of edges, turns of parts and places of anchors meet a key between others
 /// with the same slope from both sides: each its harmonic mean, so that what rests or turns back at a key
