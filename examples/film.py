@@ -17,7 +17,7 @@ from cutout import material
 from planar_deform.scene.pose_blocks import own_curve
 
 FPS = 24
-SAMPLES = 3
+SAMPLES = 4
 HOLD = 5  # frames for which a pose stands
 CELL = 0.3  # of the film's size
 SKY = ((172, 212, 214), (250, 226, 196))  # above, at the horizon
@@ -50,13 +50,15 @@ def build_stage(view: View, standing: Mapping[float, float]) -> bpy.types.Object
     paper = Image.fromarray(np.repeat(np.rint(colours).astype(np.uint8)[:, None], view.width, axis=1), "RGB")
     shadows = Image.new("L", size)
     for x, width in standing.items():
-        left, middle = view.pixels(np.array([[x - 0.5 * width, 0.03]]))[0]
-        right = left + width / view.unit
-        ImageDraw.Draw(shadows).ellipse((left, middle - 8, right, middle + 8), fill=110)
+        start, middle = view.pixels(np.array([[x - 0.5 * width, 0.03]]))[0]
+        end = start + width / view.unit
+        ImageDraw.Draw(shadows).ellipse((start, middle - 8, end, middle + 8), fill=110)
     paper.paste(Image.new("RGB", size, INK), mask=shadows.filter(ImageFilter.GaussianBlur(5)))
 
-    right, top = view.left + view.width * view.unit, view.bottom + view.height * view.unit
-    corners = [(view.left, 1, view.bottom), (right, 1, view.bottom), (right, 1, top), (view.left, 1, top)]
+    bleed = 2 * view.unit  # two pixels all round, for samples beside the frame's last ones
+    left, right = view.left - bleed, view.left + view.width * view.unit + bleed
+    bottom, top = view.bottom - bleed, view.bottom + view.height * view.unit + bleed
+    corners = [(left, 1, bottom), (right, 1, bottom), (right, 1, top), (left, 1, top)]
     mesh = bpy.data.meshes.new("Stage")
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", [0, 0, 1, 0, 1, 1, 0, 1])
