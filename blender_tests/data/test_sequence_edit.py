@@ -138,6 +138,18 @@ def test_what_was_not_changed_is_refused_with_what_to_do():
         bpy.ops.planar.edit_sequence()
 
 
+def test_poses_whose_keys_are_gone_are_refused():
+    obj = filled()
+    obj.data.shape_keys.animation_data_clear()
+    change(obj, 7)
+    before = stored(obj)
+    with pytest.raises(RuntimeError, match="Key Pose at two frames"):
+        bpy.ops.planar.edit_sequence()
+    with pytest.raises(RuntimeError, match="Key two poses"):
+        bpy.ops.planar.thin_poses()
+    assert stored(obj) == before
+
+
 def test_closed_while_it_is_written_everything_is_as_it_was():
     from planar_deform.scene.sequence_edit import SequenceEdit
 

@@ -23,6 +23,8 @@ LEAST_SHARE = 0.5
 
 def edit_refusal(context: bpy.types.Context) -> str | None:
     """Why there is no change that could be spread, and what to do; None if there is one."""
+    if shown_curve(context.object.data.shape_keys) is None:
+        return "No pose has a key, so that nothing is played: use Key Pose at two frames first"
     if sequence.unkeyed(context.object):
         return None
     if sequence.pose_at(context.object, context.scene.frame_current_final) is not None:

@@ -30,12 +30,13 @@ class Thinning:
     """The poses of the active object, and which of them have to stay. Raises Refusal; changes nothing."""
 
     def __init__(self, context: bpy.types.Context, tolerance: float):
-        reason = sequence.refusal(context.object) or thin_refusal(context)
+        obj = context.object
+        reason = sequence.refusal(obj) or inbetweens.refusal(obj) or thin_refusal(context)
         if reason is not None:
             raise Refusal(reason)
         self._scene = begin_shape(context, unkeyed=True)  # the pose that is shown may go
         self._tolerance = tolerance
-        self._times, self._fixed = _timing(context.object)
+        self._times, self._fixed = _timing(obj)
         self._way = inbetweens.way(self._scene, range(len(self._times)), self._times)
 
     def solve(self, progress: Progress) -> Thinned:
