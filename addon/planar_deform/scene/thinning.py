@@ -48,16 +48,14 @@ class Thinning:
             motion = self._way.among(around).motion(progress=lambda _: progress(share))
             return motion.at(self._times[kept[number] + 1 : kept[number + 1]])
 
-        def told(value: float) -> bool:
+        def told(value: float) -> None:
             nonlocal share
             share = value
-            return progress(value)
+            if not progress(share):
+                raise native.Cancelled
 
         tolerance = self._tolerance * self._scene.diagonal
-        thinned = thin(self._way.keys, self._fixed, between, tolerance, told, reach=reach)
-        if thinned is None:
-            raise native.Cancelled
-        return thinned
+        return thin(self._way.keys, self._fixed, between, tolerance, told, reach=reach)
 
     def write(self, thinned: Thinned) -> Iterator[float]:
         """Put in-betweens in place of the poses that go; the share done. Closed before its end: as it was."""

@@ -37,9 +37,7 @@ def blended(shapes: list[Array], kept: list[int]) -> Array:
 
 def run(path: Array, tolerance: float, fixed: set[int] | None = None) -> Thinned:
     shapes = moved(path)
-    result = thin(shapes, fixed or set(), blends(shapes), tolerance, lambda _: True)
-    assert result is not None
-    return result
+    return thin(shapes, fixed or set(), blends(shapes), tolerance, lambda _: None)
 
 
 def zigzag() -> Array:
@@ -88,19 +86,29 @@ def test_stretches_are_solved_again_only_where_keys_near_them_are_new(reach: int
         seen.append((*kept[max(0, number - reach) : number + 2 + reach], -1, *kept[number : number + 2]))
         return between(kept, number)
 
-    result = thin(shapes, set(), watched, 0.05, lambda _: True, reach=reach)
-    assert result is not None
+    result = thin(shapes, set(), watched, 0.05, lambda _: None, reach=reach)
     assert result.kept == run(path, 0.05).kept
     assert len(seen) == len(set(seen)), "none twice between the same keys"
 
 
-def test_the_share_grows_and_stopping_ends_it() -> None:
+def test_none_is_kept_that_later_ones_have_made_needless() -> None:
+    path = np.stack([np.arange(60.0), 5.0 * np.sin(np.arange(60.0) / 9.0) + 0.1 * np.arange(60.0)], axis=1)
+    shapes = moved(path)
+    for tolerance in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
+        kept = run(path, tolerance).kept
+        for key in kept[1:-1]:
+            without = blended(shapes, [index for index in kept if index != key])
+            assert np.linalg.norm(without - shapes, axis=2).max() > tolerance, (tolerance, key)
+
+
+def test_the_share_grows_and_raising_ends_it() -> None:
     shapes, shares = moved(zigzag()), []
+    thin(shapes, set(), blends(shapes), 1e-9, shares.append)
+    assert shares == sorted(shares)
+    assert 0.0 <= shares[0] < shares[-1] < 1.0
 
-    def progress(share: float) -> bool:
-        shares.append(share)
-        return len(shares) < 2
+    def stop(share: float) -> None:
+        raise InterruptedError
 
-    assert thin(shapes, set(), blends(shapes), 1e-9, progress) is None
-    assert len(shares) == 2
-    assert 0.0 < shares[0] < 1.0
+    with pytest.raises(InterruptedError):
+        thin(shapes, set(), blends(shapes), 1e-9, stop)
