@@ -34,7 +34,7 @@ class Window:
 
     def __init__(self) -> None:
         self.mouse = (0, 0)
-        self._button = 0  # where in the sidebar one was found last
+        self._button = 10_000  # how high one was found last in the sidebar: above it at first
 
     # ---- what is there; looked up each time, as loading a file replaces all of it
     @property

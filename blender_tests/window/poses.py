@@ -77,11 +77,18 @@ def large_view(window: Window) -> Iterator[None]:
     yield from window.wait(0.3)
 
 
-def three_poses(window: Window) -> Iterator[None]:
-    """A sheet posed by the mouse and keyed by the panel's button at frames 1, 25 and 49."""
+def key_pose(window: Window) -> Iterator[None]:
+    """As the panel's button does."""
+    with window.context("UI"):
+        assert bpy.ops.planar.key_pose("INVOKE_DEFAULT", True) == {"FINISHED"}
+    yield
+
+
+def three_poses(window: Window, *, push: bool = False) -> Iterator[None]:
+    """A sheet posed by the mouse and keyed at frames 1, 25 and 49; `push`: by clicking the panel's button."""
     yield from ready(window, LEFT, RIGHT)
     yield from large_view(window)
     for frame, (dx, dz) in ((1, (-0.5, 1.4)), (25, (0.3, -2.4)), (49, (-0.6, 1.6))):
         yield from go_to(frame)
         yield from pull(window, dx, dz)
-        yield from window.push("planar.key_pose")
+        yield from (window.push("planar.key_pose") if push else key_pose(window))

@@ -28,7 +28,7 @@ def stale() -> list[tuple[int, int]]:
 
 
 def test_the_story(window: Window) -> Iterator[None]:
-    yield from three_poses(window)
+    yield from three_poses(window, push=True)
     poses = {frame: at(frame) for frame in KEYED}
     blended = {frame: at(frame) for frame in (13, 37)}
     assert np.allclose(blended[13], linear(poses[1], poses[25]), atol=1e-6)

@@ -5,34 +5,13 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
-from cutouts import active, moved, ready
+from cutouts import active, moved
 from harness import Window, addon
-from poses import LEFT, RIGHT, at, pin_place, pull, shown
-
-
-def key_pose(window: Window) -> Iterator[None]:
-    """As the panel's button does."""
-    with window.context("UI"):
-        assert bpy.ops.planar.key_pose("INVOKE_DEFAULT", True) == {"FINISHED"}
-    yield
-
-
-def keyed(window: Window) -> Iterator[None]:
-    """Poses at frames 1, 25 and 49, and the sidebar open at our tab."""
-    yield from ready(window, LEFT, RIGHT)
-    with window.context():
-        bpy.ops.screen.screen_full_area()  # the sidebar is long
-    yield from window.wait(0.3)
-    yield from window.sidebar()
-    for frame, height in ((1, 0.5), (25, -1.0), (49, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        yield
-        yield from pull(window, 0.0, height)
-        yield from key_pose(window)
+from poses import at, key_pose, pin_place, pull, shown, three_poses
 
 
 def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Window) -> Iterator[None]:
-    yield from keyed(window)
+    yield from three_poses(window)
     poses = {frame: at(frame) for frame in (1, 25, 49)}
     assert moved(poses[1], poses[25]) > 0.5
     assert moved(poses[25], poses[49]) > 0.5
@@ -63,7 +42,7 @@ def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Windo
 
 
 def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) -> Iterator[None]:
-    yield from keyed(window)
+    yield from three_poses(window)
     poses = {frame: at(frame) for frame in (1, 49, 25)}
     bpy.ops.ed.undo_push(message="Frame")
     yield
@@ -89,7 +68,7 @@ def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) ->
 
 def test_a_drag_elsewhere_is_unkeyed_undone_redone_and_lost_with_the_frame(window: Window) -> Iterator[None]:
     sequence = addon("scene.sequence")
-    yield from keyed(window)
+    yield from three_poses(window)
     between = at(13)
     bpy.ops.ed.undo_push(message="Frame")
     yield
@@ -120,7 +99,7 @@ def test_a_drag_elsewhere_is_unkeyed_undone_redone_and_lost_with_the_frame(windo
 
 
 def test_auto_key_keys_what_was_dragged_in_one_step(window: Window) -> Iterator[None]:
-    yield from keyed(window)
+    yield from three_poses(window)
     between = at(13)
     bpy.ops.ed.undo_push(message="Frame")
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
