@@ -58,6 +58,7 @@ def remove(obj: bpy.types.Object) -> None:
     shown = np.array([stretch.start.source for stretch in found])
     plain = FIRST + SPACING * np.arange(len(found))
     settings = obj.planar
+    remembered = settings.curve_before
     blocks = [stretch.start for stretch in order]
     for block in blocks:
         block.free = 0
@@ -71,9 +72,8 @@ def remove(obj: bpy.types.Object) -> None:
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         curve = own_curve(obj.data.shape_keys)
         if curve is not None:
-            was = offsets(pose_curve.rows(curve), shown, plain, settings.curve_before)
+            was = offsets(pose_curve.rows(curve), shown, plain, remembered)
             pose_curve.write_rows(curve, final[was.pose][:, None] + was.values, was)
-        settings.curve_before = ""
 
     playback.run(playback.relay(obj, blocks, then))
     for index, pose in enumerate(settings.poses):

@@ -209,6 +209,8 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
         if pose.at == active_at:
             obj.planar.active_pose = index
     obj.planar.active_pose = max(0, min(obj.planar.active_pose, len(poses) - 1))
+    if not any(block.sample for block in blocks):
+        obj.planar.curve_before = ""  # the curve is as it would be without having been filled
 
 
 def _add_pose(obj: bpy.types.Object, place: float, record: Record) -> bpy.types.PropertyGroup:
