@@ -329,3 +329,16 @@ def test_an_object_without_poses_joined_to_one_with_poses(generated):
     assert all(same(shown_at(obj, frame)[:count], shape) for frame, shape in shapes.items())
     shapes[5] = key(obj, 5, 4)[:count]
     assert all(same(shown_at(obj, frame)[:count], shape) for frame, shape in shapes.items())
+
+
+def test_shape_keys_re_timed(generated):
+    """Blender's own button, which puts all absolute keys 10 apart."""
+    from planar_deform.scene.shape import shape_refusal
+
+    obj, _, _ = generated
+    activate(obj)
+    bpy.ops.object.shape_key_retime()
+    before = stored(obj)
+    assert "undo Re-Time" in shape_refusal(obj)
+    assert not bpy.ops.planar.key_pose.poll()
+    assert stored(obj) == before

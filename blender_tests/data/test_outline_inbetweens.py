@@ -4,9 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from outlines import CURVES, MESHES, PLACED, TRANSFORMS, edges_of, lines
+from outlines import CURVES, MESHES, PLACED, TRANSFORMS, chain, edges_of, lines
 from sequences import go_to, same, shown_at, stored, timing
-from support import activate, evaluated
+from support import activate, evaluated, grid, make_object
 
 import planar_native
 
@@ -282,3 +282,21 @@ def test_what_panels_ask_in_edit_mode_while_points_are_added(kind):
     onion.of_active(bpy.context)
     bpy.ops.object.mode_set(mode="OBJECT")
     assert inbetweens.stale(obj) == [(0, 1), (1, 2)]
+
+
+def test_lines_that_hang_on_a_mesh_with_faces_are_blended():
+    vertices, faces = grid(4, 2)
+    count = len(vertices)
+    tail = [(2.0 + 0.3 * i, 0.5, 0.0) for i in range(1, 5)]
+    middle = 9  # of the right side
+    obj = make_object(np.concatenate([vertices, tail]), faces.tolist(), [(middle, count), *chain(4, count)])
+    shapes = posed(obj)
+    for point in obj.data.shape_keys.key_blocks[-1].data[count:]:
+        point.co.y += 0.5
+    shapes[21] = shown_at(obj, 21)
+    generate()
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
+    blended = shapes[9] + (shapes[21] - shapes[9]) / 2
+    middle = shown_at(obj, 15)
+    assert np.abs(middle[count:] - blended[count:]).max() < 1e-6
+    assert np.abs(middle[:count] - blended[:count]).max() > 0.01
