@@ -151,6 +151,21 @@ def test_where_there_is_no_pose_on_both_sides_it_is_refused(frame):
     assert stored(obj) == before
 
 
+def test_where_a_pose_is_held_it_is_refused():
+    obj, _ = bent_bar()
+    curve_of(obj).keyframe_points.insert(60, obj.planar.poses[2].at)
+    go_to(55)
+    with pytest.raises(RuntimeError, match="between two keyed poses"):
+        bpy.ops.planar.breakdown()
+
+
+def test_invoked_in_background_it_keys_at_once():
+    obj, poses = bent_bar()
+    go_to(13)
+    assert bpy.ops.planar.breakdown("INVOKE_DEFAULT", percent=100.0) == {"FINISHED"}
+    assert same(shown_at(obj, 13), poses[1])
+
+
 def test_an_object_without_poses_is_refused():
     bar()
     with pytest.raises(RuntimeError, match="Key Pose"):

@@ -11,7 +11,7 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, FloatProperty
 
 from .. import native
-from ..model.breakdown import FURTHEST, WIDTH, Slider, limited
+from ..model.breakdown import FURTHEST, OVERSHOOT, WIDTH, Slider, limited
 from ..scene import breakdown, modifiers, snapshot
 from ..scene.access import ObjectGone, Refusal
 from ..scene.breakdown import Way
@@ -60,16 +60,17 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         )
 
     def apply(self, context):
+        abandon()
         try:
             way = Way(context)
+            try:
+                way.show(self._share)
+                key_shown(context, kind="BREAKDOWN")
+            except Exception:
+                way.restore()
+                raise
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        try:
-            way.show(self._share)
-            key_shown(context, kind="BREAKDOWN")
-        except Refusal:
-            way.restore()
-            raise
         finally:
             snapshot.release()
 
@@ -81,9 +82,12 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
 
     def invoke(self, context, event):
         global _running
-        if context.screen is not None and context.screen.is_animation_playing:
+        if context.window is None:  # in background
+            return self.execute(context)
+        if context.screen.is_animation_playing:
             self.report({"ERROR"}, "A breakdown is of one frame: stop the timeline first")
             return {"CANCELLED"}
+        abandon()
         try:
             self._way = Way(context)
         except (Refusal, native.SolveError) as error:
@@ -93,8 +97,10 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         self._slider = Slider.begin(self._way.start, event.mouse_x, width, overshoot=self.overshoot)
         _running = self._way
         put_up(context, KEYS, cursor="SCROLL_X")
-        context.window_manager.modal_handler_add(self)
-        return self._guarded(self._show, context)
+        result = self._guarded(self._show, context)
+        if result == {"RUNNING_MODAL"}:
+            context.window_manager.modal_handler_add(self)
+        return result
 
     def modal(self, context, event):
         if context.scene.frame_current_final != self._way.frame:
@@ -119,7 +125,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         slider = self._slider.held(shift=event.shift, ctrl=event.ctrl)
         if event.type == "MOUSEMOVE":
             slider = slider.moved(event.mouse_x)
-        elif pressed:
+        elif pressed and not (event.is_repeat and event.type == OVERSHOOT):
             slider = slider.pressed(event.type) or slider
         if slider != self._slider:
             self._slider = slider
@@ -151,7 +157,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     def _stop(self):
         """End it with everything as it was."""
         with contextlib.suppress(ObjectGone):
-            if _running is self._way:  # else what it changed is gone
+            if _running is self._way:  # else what it changed is gone already
                 self._way.restore()
         return self._leave({"CANCELLED"})
 
@@ -177,14 +183,20 @@ def _interrupt(*_):
 HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _interrupt)
 
 
-def unregister() -> None:
-    """The add-on is turned off, perhaps in the middle of a breakdown."""
+def abandon() -> None:
+    """End the breakdown that is on from outside, with everything as it was."""
     if _running is not None:
         with contextlib.suppress(ObjectGone):
             _running.restore()
+        _interrupt()
         snapshot.release()
+
+
+def unregister() -> None:
+    """The add-on is turned off, perhaps in the middle of a breakdown."""
+    if _running is not None:
+        abandon()
         put_away()
-    _interrupt()
 
 
 CLASSES = (PLANAR_OT_breakdown,)

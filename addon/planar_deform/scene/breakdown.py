@@ -17,8 +17,9 @@ from .shape import begin_shape
 
 def refusal(obj: bpy.types.Object, frame: float) -> str | None:
     """Why there is no way at this frame, and what to do; None when there is one."""
-    if not sequence.is_ours(obj) or None in around(obj, frame):
-        return "A breakdown lies between two keyed poses: key two, and go to a frame between them"
+    before, behind = around(obj, frame) if sequence.is_ours(obj) else (None, None)
+    if before is None or behind is None or before.at == behind.at:
+        return "A breakdown lies between two keyed poses: key them, and go to a frame between them"
     return None
 
 
@@ -76,8 +77,7 @@ class Way:
 
     def _share_shown(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> float:
         """Where on the way the shape is that is shown at the start."""
-        played = sequence.pose_at(obj, self.frame) is None and not sequence.unkeyed(obj)
-        if played and before.at != behind.at:
+        if sequence.pose_at(obj, self.frame) is None and not sequence.unkeyed(obj):
             share = (obj.data.shape_keys.eval_time - before.at) / (behind.at - before.at)
             return min(max(share, 0.0), 1.0)
         return nearest_share(self._at, self.scene.positions)
