@@ -22,18 +22,20 @@ def plane_normal(shown: Array, others: Iterable[Array], parts: Indices) -> Array
     """
     arms = _about_part_means(shown, parts)
     sizes, axes = _spread(arms)
+    normal: Array = axes[2]
     if sizes[1] > STRAIGHT * sizes[0]:
-        return axes[2]
+        return normal
     together = np.concatenate([arms, *(_about_part_means(shape, parts) for shape in others)])
     for points in (together, shown - shown.mean(axis=0)):
         sizes, axes = _spread(points)
         if sizes[1] > STRAIGHT * sizes[0] and sizes[2] <= FLAT * sizes[0]:
-            return axes[2]
+            normal = axes[2]
+            return normal
     direction = axes[0] if sizes[0] > 0.0 else np.zeros(3)
     across = next(axis for axis in (2, 1, 0) if abs(direction[axis]) <= np.sqrt(0.5))
     normal = np.eye(3)[across] - direction * direction[across]
-    result: Array = normal / np.linalg.norm(normal)
-    return result
+    normal /= np.linalg.norm(normal)
+    return normal
 
 
 def _about_part_means(points: Array, parts: Indices) -> Array:
