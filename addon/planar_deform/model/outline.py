@@ -21,21 +21,18 @@ def plane_normal(shown: Array, others: Iterable[Array], parts: Indices) -> Array
     beside one another; or else the one they share with two of the object's axes, XY before XZ before YZ.
     """
     arms = _about_part_means(shown, parts)
-    sizes, axes = _spread(arms)
-    normal: Array = axes[2]
+    sizes, longest, normal = _spread(arms)
     if sizes[1] > STRAIGHT * sizes[0]:
         return normal
     together = np.concatenate([arms, *(_about_part_means(shape, parts) for shape in others)])
     for points in (together, shown - shown.mean(axis=0)):
-        sizes, axes = _spread(points)
+        sizes, longest, normal = _spread(points)
         if sizes[1] > STRAIGHT * sizes[0] and sizes[2] <= FLAT * sizes[0]:
-            normal = axes[2]
             return normal
-    direction = axes[0] if sizes[0] > 0.0 else np.zeros(3)
+    direction = longest if sizes[0] > 0.0 else np.zeros(3)
     across = next(axis for axis in (2, 1, 0) if abs(direction[axis]) <= np.sqrt(0.5))
-    normal = np.eye(3)[across] - direction * direction[across]
-    normal /= np.linalg.norm(normal)
-    return normal
+    result: Array = np.eye(3)[across] - direction * direction[across]
+    return result / np.linalg.norm(result)
 
 
 def _about_part_means(points: Array, parts: Indices) -> Array:
@@ -45,7 +42,7 @@ def _about_part_means(points: Array, parts: Indices) -> Array:
     return result
 
 
-def _spread(points: Array) -> tuple[Array, Array]:
-    """How far k x 3 points reach from the origin along the axes (rows) in which they reach farthest."""
+def _spread(points: Array) -> tuple[Array, Array, Array]:
+    """How far k x 3 points reach from the origin (3,), along the axis of most and the axis of least reach."""
     squares, axes = np.linalg.eigh(np.einsum("ki,kj->ij", points, points))
-    return np.sqrt(np.maximum(squares[::-1], 0.0)), axes.T[::-1]
+    return np.sqrt(np.maximum(squares[::-1], 0.0)), axes[:, 2], axes[:, 0]
