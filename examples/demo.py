@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws two characters, pins and poses them in Blender with the add-on's operators, and renders them.
 
-Their poses are keyed on the timeline. One of them is posed by both methods, to compare them. Then the frames
-between the poses are generated, and a film of them is rendered.
+One of them is posed by both methods, to compare them. Poses of both are keyed on the timeline, the frames
+between them are generated, and a film of it is rendered.
 
 Run by `make demo`. Writes out/demo.blend, out/contact_sheet.png, out/demo.mp4 and out/film_sheet.png; with
 --pictures FOLDER also the docs' pictures.
@@ -69,10 +69,10 @@ def characters() -> list[Character]:
     """The cast of the demo."""
     return [
         Character("Lantern Fox", fox.layers(), fox.PINS, fox.POSES, 0.052, 0.0,
-                  View.around(0.0, -0.4, 5.9, 420, 560), (205, 228, 224), 4, 2.2,
+                  View.around(0.12, -0.4, 5.9, 420, 560), (205, 228, 224), 4, 2.2,
                   (1, 2), ("Near Hand", "Tail Tip", "Lantern"), View.around(0.05, -0.35, 4.7, 350, 320)),
         Character("River Dragon", dragon.layers(), dragon.PINS, dragon.POSES, 0.060, 7.4,
-                  View.around(0.0, -0.45, 5.5, 858, 470), (248, 222, 196), 2, 5.4,
+                  View.around(0.0, -0.45, 6.0, 858, 470), (248, 222, 196), 2, 5.4,
                   (2, 3), ("Tail Fin", "Head"), View.around(-0.35, -0.4, 5.6, 350, 200),
                   dragon.TRIALS, View.around(-0.2, -0.55, 6.6, 420, 300)),
     ]  # fmt: skip
@@ -106,10 +106,9 @@ def run(pictures: Path | None) -> None:
     images: dict[str, Image.Image] = {}  # for the docs
     for character in cast:
         obj = build(character)
+        compared += [compare(character, obj, trial) for trial in character.trials]
         cells = perform(character, obj)
         rows += [cells[i : i + character.columns] for i in range(0, len(cells), character.columns)]
-        bpy.context.scene.frame_set(2)  # where no pose is keyed that the comparison would change
-        compared += [compare(character, obj, trial) for trial in character.trials]
         fill_in(obj)
         bpy.context.scene.frame_set(1)
         if pictures:
@@ -260,6 +259,7 @@ def compare(character: Character, obj: bpy.types.Object, trial: Trial) -> list[C
         print(f"  {trial.name}, {label}: distortion {words(measure)}" + f"; {told}" * trial.returns)
         cells.append((label, words(measure), picture(seen, obj)))
         cells.append((trial.name, told, comparison.coloured(seen.view, points, triangles(obj), measure)))
+    bpy.ops.planar.reset_to_rest()
     obj.planar.method = "HOLD"
     for pin in obj.planar.pins:
         pin.enabled = True
