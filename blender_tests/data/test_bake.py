@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking to shapes, a point cache and relative keys shows what the poses showed, and changes nothing else."""
 
+import json
 import struct
 from pathlib import Path
 
+import addon_utils
 import bpy
 import numpy as np
 import pytest
@@ -495,3 +497,29 @@ def test_one_step_of_undo(tmp_path, to):
     obj = bpy.data.objects["Cutout"]
     assert stored(obj) == after
     assert worst(obj, shown) < CLOSE
+
+
+def test_relative_keys_are_exported(tmp_path):
+    obj = eased_bar()
+    frames = range(1, 26)
+    bake(obj, "RELATIVE_KEYS")
+    addon_utils.enable("io_scene_gltf2")
+    try:
+        path = tmp_path / "bar.gltf"
+        bpy.ops.export_scene.gltf(
+            filepath=str(path), export_format="GLTF_SEPARATE", export_optimize_animation_size=False
+        )
+    finally:
+        addon_utils.disable("io_scene_gltf2")
+    scene = json.loads(path.read_text())
+    (mesh,) = scene["meshes"]
+    assert mesh["extras"]["targetNames"] == [f"Frame {frame}" for frame in frames]
+    (animation,) = scene["animations"]
+    (channel,) = animation["channels"]
+    assert channel["target"]["path"] == "weights"
+    weights = scene["accessors"][animation["samplers"][channel["sampler"]]["output"]]
+    view = scene["bufferViews"][weights["bufferView"]]
+    numbers = np.frombuffer(
+        (tmp_path / scene["buffers"][0]["uri"]).read_bytes(), "<f4", weights["count"], view["byteOffset"]
+    )
+    assert np.array_equal(numbers.reshape(25, 25), np.eye(25))

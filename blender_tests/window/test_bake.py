@@ -57,6 +57,11 @@ def test_a_point_cache_plays_and_is_undone(window: Window) -> Iterator[None]:
     bpy.context.scene.frame_set(25)
     assert np.abs(evaluated() - before).max() > 0.1
     window.picture("baked")
+    with window.context():  # what a change in the redo panel does
+        bpy.context.window_manager.operators[-1].frame_step = 2
+        assert bpy.ops.ed.undo_redo() == {"FINISHED"}
+    assert samples(folder / "Sheet_planar.pc2") == 13
+    assert len(active().modifiers) == 1
     yield from window.undo()
     assert not active().modifiers
 
