@@ -15,7 +15,7 @@ FIRST = 1024.0
 SPACING = 8.0
 HOLD = 500_000.0
 SCRATCH = 1_000_000.0
-STILL = 1_040_000.0  # eval_time goes to 1 048 574
+STILL = 1_040_000.0  # what is shown while blocks are laid anew; eval_time goes to 1 048 574
 SAME_PLACE = 0.05
 SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
 

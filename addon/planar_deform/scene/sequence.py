@@ -5,7 +5,7 @@ Blocks, in the order of their place on the curve, which is what eval_time has to
 
     Basis          0             the rest shape
     Before Poses   < FIRST       the shape before the sequence was begun, or the user's own key "Pose"
-    poses          FIRST + 8 i   the keyed poses, in the order of time in which they were keyed
+    poses          FIRST + 8 i   the keyed poses in the order of time, and what is generated in between
     hold, scratch  HOLD, SCRATCH only while an unkeyed pose is shown, see below
 
 `eval_time` has one F-curve with a key for each keyed pose, whose value is the place of the pose's block; the

@@ -38,9 +38,9 @@ class PLANAR_MT_pose(bpy.types.Menu):
 
     def draw(self, context):
         layout = self.layout
-        layout.operator("planar.update_pose", icon="FILE_REFRESH")
-        layout.operator("planar.duplicate_pose", icon="DUPLICATE")
-        layout.operator("planar.retime_pose", icon="TIME")
+        layout.operator("planar.update_pose", text="Update to What Is Shown", icon="FILE_REFRESH")
+        layout.operator("planar.duplicate_pose", text="Duplicate to Current Frame", icon="DUPLICATE")
+        layout.operator("planar.retime_pose", text="Move to Current Frame", icon="TIME")
         layout.separator()
         layout.operator("planar.clear_poses", icon="TRASH")
 
