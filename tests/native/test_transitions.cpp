@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <variant>
 
 #include "characters.h"
 #include "inbetween_support.h"
@@ -13,9 +15,18 @@
 namespace planar::testing {
 namespace {
 
+/// How far the handles `far_apart` are moved, in diagonals.
+using Offsets = std::array<std::array<double, 2>, 7>;
+
+/// Vertices of the elephant.
+const std::vector<int> far_apart{1504, 1159, 1601, 1819, 1629, 1760, 748};
+
+/// A published pose by its number, -1 for the rest shape; or one of the elephant.
+using KeyPose = std::variant<int, Offsets>;
+
 struct Step {
-  const char* character;
-  int number;  ///< of the pose it leads to; from the one before, or from the rest shape
+  const char *name, *character;
+  KeyPose from, to;
 };
 
 class Transition : public ::testing::TestWithParam<Step> {
@@ -25,15 +36,29 @@ class Transition : public ::testing::TestWithParam<Step> {
     if (!character) GTEST_SKIP() << "no " << GetParam().character << " in " << PLANAR_TEST_DATA;
     shape = {character->vertices, character->triangles};
     diagonal = character->diagonal();
-    const auto posed = [&](int number) -> Points {
-      if (number < 0) return shape.vertices;
-      const characters::Pose& pose = character->poses.at(static_cast<std::size_t>(number));
-      Poser poser(shape.vertices, shape.triangles);
-      poser.set_handles(at(shape, pose.handles));
-      poser.move(pose.targets);
-      return poser.settle();
-    };
-    keys = {posed(GetParam().number - 1), posed(GetParam().number)};
+    keys = {posed(*character, GetParam().from), posed(*character, GetParam().to)};
+  }
+
+  Points posed(const characters::Character& character, const KeyPose& pose) const {
+    if (const int* number = std::get_if<int>(&pose)) {
+      if (*number < 0) return shape.vertices;
+      const characters::Pose& published = character.poses.at(static_cast<std::size_t>(*number));
+      return settled(published.handles, published.targets);
+    }
+    Points targets = shape.vertices(far_apart, Eigen::all);
+    const Offsets& offsets = std::get<Offsets>(pose);
+    for (Eigen::Index i = 0; i < targets.rows(); ++i) {
+      const auto& [x, y] = offsets[static_cast<std::size_t>(i)];
+      targets.row(i) += diagonal * Eigen::RowVector2d(x, y);
+    }
+    return settled(far_apart, targets);
+  }
+
+  Points settled(const std::vector<int>& handles, const Points& targets) const {
+    Poser poser(shape.vertices, shape.triangles);
+    poser.set_handles(at(shape, handles));
+    poser.move(targets);
+    return poser.settle();
   }
 
   /// Frames at uniform times, both keys among them.
@@ -106,14 +131,41 @@ TEST_P(Transition, HardlyChangesByOneMoreKeyOfItsOwn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Poses, Transition,
-                         ::testing::Values(Step{"elephant", 0}, Step{"giraffe", 0}, Step{"giraffe", 1},
-                                           Step{"horse", 0}, Step{"horse", 1}, Step{"horse", 2},
-                                           Step{"horse", 3}, Step{"horse", 4}, Step{"racoon", 0},
-                                           Step{"racoon", 1}, Step{"racoon", 2}, Step{"racoon", 3}),
-                         [](const auto& kind) {
-                           return kind.param.character + std::to_string(kind.param.number);
-                         });
+const auto name_of = [](const auto& kind) { return kind.param.name; };
+
+INSTANTIATE_TEST_SUITE_P(Published, Transition,
+                         ::testing::Values(Step{"elephant0", "elephant", -1, 0},
+                                           Step{"giraffe0", "giraffe", -1, 0},
+                                           Step{"giraffe1", "giraffe", 0, 1}, Step{"horse0", "horse", -1, 0},
+                                           Step{"horse1", "horse", 0, 1}, Step{"horse2", "horse", 1, 2},
+                                           Step{"horse3", "horse", 2, 3}, Step{"horse4", "horse", 3, 4},
+                                           Step{"racoon0", "racoon", -1, 0}, Step{"racoon1", "racoon", 0, 1},
+                                           Step{"racoon2", "racoon", 1, 2}, Step{"racoon3", "racoon", 2, 3}),
+                         name_of);
+
+constexpr Offsets torn{
+    {{0.31, -0.07}, {-0.2, 0.19}, {0.06, 0.22}, {-0.09, -0.37}, {-0.03, -0.11}, {0.19, 0.05}, {-0.41, -0.3}}};
+constexpr Offsets low{{{-0.143, 0.033},
+                       {-0.065, 0.086},
+                       {-0.013, 0.067},
+                       {0.122, 0.038},
+                       {-0.088, -0.151},
+                       {0.175, -0.011},
+                       {-0.069, 0.014}}};
+constexpr Offsets high{{{-0.019, 0.085},
+                        {0.003, 0.001},
+                        {-0.071, 0.047},
+                        {-0.103, 0.067},
+                        {0.152, -0.152},
+                        {-0.247, 0.062},
+                        {0.255, -0.1}}};
+
+// In the first one triangles would flip soon after the rest shape; in the second one a triangle would nearly
+// collapse half way.
+INSTANTIATE_TEST_SUITE_P(Far, Transition,
+                         ::testing::Values(Step{"torn", "elephant", -1, torn},
+                                           Step{"squeezed", "elephant", low, high}),
+                         name_of);
 
 }  // namespace
 }  // namespace planar::testing
