@@ -107,8 +107,8 @@ def test_a_short_job_is_done_at_once(window: Window) -> Iterator[None]:
     yield
 
 
-def test_it_never_keeps_the_window_waiting(window: Window) -> Iterator[None]:
-    """Most looks take some ms; a tenth of a second is what a user does not call waiting."""
+def test_a_long_job_is_done_in_many_looks(window: Window) -> Iterator[None]:
+    """How long one keeps the window waiting is printed: the first may take a tenth of a second."""
     yield from motion(window)
     long_operator = addon("operators.long_operator")
     advance, waits = long_operator.LongRun.advance, []
