@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Sequence
 import bpy
 
 from . import native
-from .scene import bake, inbetweens, point_cache
+from .scene import bake, inbetweens, point_cache, sequence
 from .scene.errors import ObjectGone, Refusal
 from .scene.shape import read_shape
 
@@ -89,10 +89,11 @@ def _parsed(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def _objects(names: Sequence[str] | None) -> list[str]:
+    """Those named, or all of the file's own that have poses."""
     if names is None:
-        found = [obj.name for obj in bpy.data.objects if bake.refusal(obj) is None]
+        found = [obj.name for obj in bpy.data.objects if _has_poses(obj)]
         if not found:
-            raise Refusal("No object of the file has poses that could be worked on: key some")
+            raise Refusal("No object of the file has poses: key some")
         return found
     for name in names:
         if name not in bpy.data.objects:
@@ -100,10 +101,16 @@ def _objects(names: Sequence[str] | None) -> list[str]:
     return list(names)
 
 
+def _has_poses(obj: bpy.types.Object) -> bool:
+    ours = obj.library is None and obj.override_library is None
+    return ours and obj.type in {"MESH", "CURVE"} and sequence.has_blocks(obj)
+
+
 def _work(name: str, options: argparse.Namespace) -> None:
     obj = bpy.data.objects[name]
     try:
-        if options.generate:
+        alone = options.object is None and len(obj.planar.poses) < 2  # nobody has asked for it by name
+        if options.generate and not alone:
             scene = read_shape(obj)
             plan = inbetweens.plan(scene)
             shapes = plan.solve(_reporter(f"{name}: solving in-betweens"))

@@ -57,6 +57,18 @@ def test_all_objects_with_poses_are_generated_baked_and_saved(shot, capsys):
     assert len(list(shot.parent.glob("*.pc2"))) == 2
 
 
+def test_of_all_objects_one_with_a_single_pose_is_baked_and_one_that_is_refused_fails(shot, capsys):
+    still = bpy.data.objects["Still"]
+    key(still, 5)
+    assert run(capsys, "--generate", "--bake", "POINT_CACHE")[0] == 0
+    assert still.modifiers[0].filepath == "//Still_planar.pc2"
+    twin = still.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    code, _, errors = run(capsys, "--bake", "SHAPES")
+    assert code == 1
+    assert "Still: The mesh is shared" in errors[0]
+
+
 def test_it_does_what_the_operators_do(shot, capsys):
     obj = opened(shot)["One"]
     activate(obj)

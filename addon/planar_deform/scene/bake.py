@@ -7,13 +7,13 @@ exhausted, the bake is complete; closed before, or left by an exception, nothing
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import bpy
 import numpy as np
 
-from . import compat, point_cache, points, sequence
-from .errors import ObjectGone, Refusal
+from . import compat, playback, point_cache, points, sequence
+from .errors import Refusal
 from .pose_blocks import SAME_FRAME, keyed, own_curve, points_of
 from .shape import shape_refusal
 
@@ -62,14 +62,14 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
 
     The curve's modifiers, which are in the poses then, go, too. Raises Refusal and ObjectGone.
     """
-    again = _Again(obj)
+    find = playback.finder(obj)
     shapes = {}
-    for share, shape in _shown(again, frames):
+    for share, shape in _shown(find, frames):
         shapes[float(frames[len(shapes)])] = shape
         yield 0.5 * share
-    for share in sequence.put_coordinates(again(), shapes, throughout=True):
+    for share in sequence.put_coordinates(find(), shapes, throughout=True):
         yield 0.5 + 0.5 * share
-    keys = again().data.shape_keys
+    keys = find().data.shape_keys
     curve = own_curve(keys)
     for modifier in [modifier for modifier in curve.modifiers if not modifier.mute]:
         curve.modifiers.remove(modifier)
@@ -77,7 +77,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
         if frames[0] - SAME_FRAME < frame < frames[-1] - SAME_FRAME:
             point.interpolation = "LINEAR"
     curve.update()
-    sequence.show_frame(again())
+    sequence.show_frame(find())
 
 
 def to_point_cache(
@@ -91,12 +91,12 @@ def to_point_cache(
     if obj.type != "MESH":
         raise Refusal(f"'{obj.name}' is not a mesh: bake to Shapes or Relative Keys")
     path = point_cache.checked_path(obj, filepath, replace=replace)
-    again = _Again(obj)
+    find = playback.finder(obj)
     with point_cache.written(path, points.count(obj), frames) as file:
-        for share, shape in _shown(again, frames):
+        for share, shape in _shown(find, frames):
             file.write(point_cache.sample(shape))
             yield share
-    obj = again()
+    obj = find()
     point_cache.play(obj, path, frames)
     if free:
         sequence.clear(obj)
@@ -107,12 +107,12 @@ def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
 
     The Basis is the rest shape. Raises Refusal and ObjectGone.
     """
-    again = _Again(obj)
+    find = playback.finder(obj)
     shapes = []
-    for share, shape in _shown(again, frames):
+    for share, shape in _shown(find, frames):
         shapes.append(shape)
         yield share
-    obj = again()
+    obj = find()
     rest = points_of(obj, obj.data.shape_keys.reference_key)
     sequence.clear(obj)
     if obj.data.shape_keys is not None:
@@ -154,22 +154,7 @@ def _blend(obj: bpy.types.Object, names: list[str], frames: range) -> None:
         block.value = curve.evaluate(now)
 
 
-class _Again:
-    """Finds the object again, as references to Blender's data die with every undo."""
-
-    def __init__(self, obj: bpy.types.Object):
-        self._name, self._uid, self._count = obj.name, obj.session_uid, points.count(obj)
-
-    def __call__(self) -> bpy.types.Object:
-        obj = bpy.data.objects.get(self._name)
-        if obj is None or obj.session_uid != self._uid:
-            raise ObjectGone(f"'{self._name}' is gone")
-        if points.count(obj) != self._count or not sequence.is_ours(obj):
-            raise ObjectGone(f"The poses of '{self._name}' have changed")
-        return obj
-
-
-def _shown(again: _Again, frames: range) -> Iterator[tuple[float, np.ndarray]]:
+def _shown(find: Callable[[], bpy.types.Object], frames: range) -> Iterator[tuple[float, np.ndarray]]:
     """The share done and the shape, frame by frame."""
     for done, frame in enumerate(frames, 1):
-        yield done / len(frames), sequence.shape_at(again(), frame)
+        yield done / len(frames), sequence.shape_at(find(), frame)

@@ -136,7 +136,7 @@ def relay(obj: bpy.types.Object, blocks: Sequence[Block], then: Follow = follow)
     curve. Between the steps the object shows what it showed. Closed before its end, or where anything fails,
     everything is back to the bit. A first block has `free` 0.
     """
-    find = _finder(obj)
+    find = finder(obj)
     undo = _Undo(obj)
     try:
         yield from _lay(find, undo, blocks, then)
@@ -221,7 +221,7 @@ def _add_pose(obj: bpy.types.Object, place: float, record: Record) -> bpy.types.
     return pose
 
 
-def _finder(obj: bpy.types.Object) -> Callable[[], bpy.types.Object]:
+def finder(obj: bpy.types.Object) -> Callable[[], bpy.types.Object]:
     """Finds the object again in each step: references die with every undo."""
     name, uid = obj.name, obj.session_uid
 
