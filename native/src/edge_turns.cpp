@@ -71,9 +71,10 @@ double wrapped(double angle) { return angle - full_turn * std::round(angle / ful
 
 Complex triangle_turn(Complex s1, Complex s2, Complex d1, Complex d2) {
   // The Jacobian is z -> αz + βz̄; the rotation of its polar decomposition is that of α.
-  const double area = product(s1, std::conj(s2)).imag();
-  // A triangle without area has no Jacobian, but its sides still turn.
-  if (area == 0.0) return product(d1, std::conj(s1)) + product(d2, std::conj(s2));
+  const double area = product(s1, std::conj(s2)).imag(), area_after = product(d1, std::conj(d2)).imag();
+  if (!(area * area_after > 0.0)) {
+    return product(d1, std::conj(s1)) + product(d2, std::conj(s2)) + product(d2 - d1, std::conj(s2 - s1));
+  }
   const Complex numerator = product(d1, std::conj(s2)) - product(d2, std::conj(s1));
   return product(numerator, Complex(0.0, area > 0.0 ? -1.0 : 1.0));
 }

@@ -39,8 +39,9 @@ class EdgeTurns {
 };
 
 /// The rotation of the polar decomposition of a triangle's Jacobian, times a positive number, from two of its
-/// sides s1 and s2 and what they become; of a triangle without area the one that takes its sides nearest to
-/// them.
+/// sides s1 and s2 and what they become. Of a triangle that is turned over, or flat in one of the two shapes,
+/// the one that takes its sides nearest to what they become: so that the way back is the reverse, which that
+/// of the decomposition would not be.
 std::complex<double> triangle_turn(std::complex<double> s1, std::complex<double> s2, std::complex<double> d1,
                                    std::complex<double> d2);
 

@@ -163,6 +163,20 @@ TEST(InbetweenOfUnusualShapes, SingleTrianglesThinStripsAndRingsKeepTheirShape) 
   expect_no_worse_between(hole, rigid_motion(twisted, 170.0 * degrees, 1.0, 0.0));
 }
 
+/// A key with some triangles turned over, or all of them.
+TEST(InbetweenOfUnusualShapes, FlippedKeysGoBackTheWayTheyCame) {
+  const Shape shape = grid(8);
+  Points folded = rigid_motion(shape.vertices, 2.0, 1.0, 0.0), mirrored = folded;
+  folded.row(27) += 0.8 * (folded.row(30) - folded.row(27));
+  mirrored.col(0) *= -1.0;
+  for (const Points& end : {folded, mirrored}) {
+    auto forward = inbetween({shape.vertices, end}, uniform(9), shape.triangles);
+    std::reverse(forward.begin(), forward.end());
+    EXPECT_LT(largest_difference(forward, inbetween({end, shape.vertices}, uniform(9), shape.triangles)),
+              1e-6);
+  }
+}
+
 /// Numbers whose squares are no numbers any more: an error, or frames, but no frames that are not finite.
 TEST(InbetweenOfUnusualShapes, HugeAndTinyNumbersGiveFramesOrAnError) {
   const Shape shape = grid(4);
