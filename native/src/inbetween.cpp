@@ -16,6 +16,12 @@
 
 namespace planar {
 
+namespace {
+
+constexpr std::size_t frames_at_a_time = 16;  // between two calls of progress
+
+}  // namespace
+
 struct Inbetweens::State {
   /// What moves from keys[k] to keys[k+1].
   struct Transition {
@@ -122,7 +128,8 @@ struct Inbetweens::State {
     return result;
   }
 
-  std::vector<Points> sample(const Eigen::VectorXd& wanted, Outside outside) {
+  std::vector<Points> sample(const Eigen::VectorXd& wanted, Outside outside,
+                             const std::function<bool(double)>& progress = {}) {
     std::vector<Points> result(static_cast<std::size_t>(wanted.size()));
     std::vector<std::size_t> rows;  // those that are not keys
     std::vector<Eigen::Index> k;
@@ -147,9 +154,17 @@ struct Inbetweens::State {
       k.push_back(transition);
       u.push_back(share);
     }
-    std::vector<Points> solved =
-        frames(k, Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size())), true);
-    for (std::size_t i = 0; i < rows.size(); ++i) result[rows[i]] = std::move(solved[i]);
+    for (std::size_t first = 0; first < rows.size(); first += frames_at_a_time) {
+      const std::size_t end = std::min(first + frames_at_a_time, rows.size());
+      if (progress && !progress(static_cast<double>(first) / static_cast<double>(rows.size()))) {
+        throw Cancelled();
+      }
+      const auto count = static_cast<Eigen::Index>(end - first);
+      std::vector<Points> solved = frames(
+          {k.begin() + static_cast<std::ptrdiff_t>(first), k.begin() + static_cast<std::ptrdiff_t>(end)},
+          Eigen::Map<const Eigen::VectorXd>(u.data() + first, count), true);
+      for (std::size_t i = first; i < end; ++i) result[rows[i]] = std::move(solved[i - first]);
+    }
     return result;
   }
 
@@ -172,7 +187,15 @@ EdgeGraph graph_of(const std::vector<Points>& keys, const Elements& elements) {
 template <typename Elements>
 std::vector<Points> frames(const std::vector<Points>& keys, const Eigen::VectorXd& times,
                            const Elements& elements, const InbetweenOptions& options) {
-  if (options.method == InbetweenMethod::midpoint) return Inbetweens(keys, elements, options).at(times);
+  if (options.method == InbetweenMethod::midpoint) {
+    const auto progress_from = [&options](double begin) -> std::function<bool(double)> {
+      if (!options.progress) return {};
+      return [&options, begin](double done) { return options.progress(begin + 0.5 * done); };
+    };
+    InbetweenOptions solving = options;
+    solving.progress = progress_from(0.0);
+    return Inbetweens(keys, elements, solving).at(times, Outside::refuse, progress_from(0.5));
+  }
   return paper_inbetween(keys, times, graph_of(keys, elements), options);
 }
 
@@ -193,8 +216,9 @@ Points Inbetweens::at(double time, Outside outside) const {
   return state_->sample(Eigen::VectorXd::Constant(1, time), outside).front();
 }
 
-std::vector<Points> Inbetweens::at(const Eigen::VectorXd& times, Outside outside) const {
-  return state_->sample(times, outside);
+std::vector<Points> Inbetweens::at(const Eigen::VectorXd& times, Outside outside,
+                                   const std::function<bool(double)>& progress) const {
+  return state_->sample(times, outside, progress);
 }
 
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,

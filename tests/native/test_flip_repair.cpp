@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "blended_triangles.h"
 #include "flip_repair.h"
 #include "inbetween_support.h"
 #include "planar/distortion.h"
@@ -114,6 +117,66 @@ TEST(FlipRepair, CanBeCancelled) {
                                     if (share > 0.5) throw Cancelled();
                                   }),
                Cancelled);
+}
+
+/// The frames of a repair leave and reach the keys with the velocities that they had before it.
+TEST(FlipRepair, KeepsTheVelocitiesAtTheKeys) {
+  Blend blend = turned_bar();
+  const FlipRepair repair = blend.repair();
+  // The deviation grows with the square: frames are solved to 1e-5 of the diagonal.
+  const double h = 1e-3;
+  for (const double u : {h, 1.0 - h}) {
+    EXPECT_LT(largest_difference(repair.repaired(blend.at(u), u, 0), blend.at(u)),
+              0.1 * h * largest_difference(blend.to, blend.shape.vertices));
+  }
+}
+
+/// A corner that is pulled through the opposite side, but stops before it: nothing flips, all but.
+TEST(FlipRepair, StartsBeforeATriangleFlips) {
+  const Shape shape = bar(8, 0.3);
+  Blend blend(shape, shape.vertices);
+  ThreadTeam team(1);
+  const auto repair = [&](double depth) {
+    return FlipRepair(
+        blend.graph, shape.vertices, shape.vertices, 8,
+        [&](const Eigen::VectorXd& shares) {
+          std::vector<Points> frames;
+          for (const double u : shares) {
+            Points x = shape.vertices;
+            x(0, 0) += 4.0 * u * (1.0 - u) * depth * 0.125;  // of a cell's length
+            frames.push_back(x);
+          }
+          return frames;
+        },
+        [](double) {}, team);
+  };
+  EXPECT_FALSE(repair(0.5).needed());
+  const FlipRepair late = repair(0.9);
+  ASSERT_TRUE(late.needed());
+  Points x = shape.vertices;
+  x(0, 0) += 0.9 * 0.125;
+  const Points better = late.repaired(x, 0.5, 0);
+  EXPECT_GT(0.125 - better(0, 0), 1.5 * (0.125 - x(0, 0)));  // what is left of the cell
+}
+
+TEST(BlendedTriangles, AreStretchedEvenlyAndMeasureStrain) {
+  const Shape shape = bar(4, 0.5);
+  Points to = 1.5 * rigid_motion(shape.vertices, 2.0, 3.0, 1.0);
+  const BlendedTriangles blended(shape.vertices, to, shape.triangles);
+  for (const double u : {0.0, 0.3, 1.0}) {
+    const double scale = 1.0 + 0.5 * u;
+    for (int t = 0; t < shape.triangles.rows(); ++t) {
+      const int a = shape.triangles(t, 0), b = shape.triangles(t, 1);
+      const Eigen::Vector2d side = blended.corner(t, b, u) - blended.corner(t, a, u);
+      EXPECT_LT((side.transpose() - scale * (shape.vertices.row(b) - shape.vertices.row(a))).norm(), 1e-12);
+      EXPECT_NEAR(blended.strain(t, scale * rigid_motion(shape.vertices, 1.0, 0.0, 0.0), u), 1.0, 1e-9);
+      Points wide = scale * shape.vertices;
+      wide.col(0) *= 2.5;
+      EXPECT_NEAR(blended.strain(t, wide, u), 2.5, 1e-9);
+      wide.col(0) *= -1.0;
+      EXPECT_EQ(blended.strain(t, wide, u), std::numeric_limits<double>::infinity());
+    }
+  }
 }
 
 /// A disc in the square that turns by two thirds of a turn against its surroundings: no rigid path leads

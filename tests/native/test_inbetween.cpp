@@ -298,7 +298,13 @@ TEST(Inbetween, ProgressRisesAndCanCancel) {
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_GT(shares.size(), 3U);
   EXPECT_LE(shares.back(), 1.0);
-  options.progress = [](double share) { return share < 0.5; };
+  // Also while the frames are made, which takes longest where they are repaired.
+  shares.clear();
+  (void)inbetween(keys, uniform(200, 2.0), shape.triangles, options);
+  EXPECT_GT(std::count_if(shares.begin(), shares.end(), [](double share) { return share > 0.5; }), 8);
+  options.progress = [](double share) { return share < 0.9; };
+  EXPECT_THROW((void)inbetween(keys, uniform(200, 2.0), shape.triangles, options), Cancelled);
+  options.progress = [](double share) { return share < 0.4; };
   EXPECT_THROW((void)inbetween(keys, uniform(5, 2.0), shape.triangles, options), Cancelled);
 }
 

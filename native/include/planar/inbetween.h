@@ -136,8 +136,10 @@ class Inbetweens {
   /// \throw std::invalid_argument outside of the keys' times, see Outside
   Points at(double time, Outside outside = Outside::refuse) const;
 
-  /// The shapes at several times in any order; each is what at(time) gives.
-  std::vector<Points> at(const Eigen::VectorXd& times, Outside outside = Outside::refuse) const;
+  /// The shapes at several times in any order; each is what at(time) gives. `progress` is called with the
+  /// share of them done, in the caller's thread; false stops by `Cancelled`.
+  std::vector<Points> at(const Eigen::VectorXd& times, Outside outside = Outside::refuse,
+                         const std::function<bool(double)>& progress = {}) const;
 
  private:
   struct State;
