@@ -362,6 +362,17 @@ def test_shapes_in_a_part_of_the_sequence_leave_the_rest_of_it_alone():
     assert obj.data.shape_keys is None
 
 
+@pytest.mark.parametrize(("start", "end"), [(5, 12), (6, 6), (9, 25), (-4, 3), (26, 30)])
+def test_shapes_among_generated_ones_leave_every_frame_as_it_was(start, end):
+    obj = keyed_bar()
+    bpy.ops.planar.generate_inbetweens()
+    shown = film(obj, range(-6, 32))
+    bake(obj, "SHAPES", frame_start=start, frame_end=end)
+    assert worst(obj, shown) < CLOSE
+    assert bpy.ops.planar.clear_poses() == {"FINISHED"}
+    assert obj.data.shape_keys is None
+
+
 def test_a_pose_that_is_shown_elsewhere_too_stays():
     obj = keyed_bar()
     curve = curve_of(obj)
