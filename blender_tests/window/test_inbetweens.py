@@ -27,6 +27,15 @@ def stale() -> list[tuple[int, int]]:
     return list(addon("scene.inbetweens").stale(active()))
 
 
+def outlined(window: Window, pose: np.ndarray, channel: int) -> bool:
+    """Whether the last corner of a pose is drawn in green (channel 1) or blue (2)."""
+    place = window.pixel([float(x) for x in pose[-1]])
+    return any(
+        colour[channel] > 50 + max(colour[other] for other in range(3) if other != channel)
+        for colour in window.colours(place, 4)
+    )
+
+
 def test_the_story(window: Window) -> Iterator[None]:
     yield from three_poses(window, push=True)
     poses = {frame: at(frame) for frame in KEYED}
@@ -57,6 +66,8 @@ def test_the_story(window: Window) -> Iterator[None]:
     bpy.context.scene.frame_set(13)
     yield from window.wait(0.5)
     window.picture("inbetweens")
+    assert outlined(window, poses[1], 1), "the onion skin of the pose before"
+    assert outlined(window, poses[25], 2), "and of the one behind"
     seen: dict[int, bytes] = {}
 
     def watch(scene, depsgraph) -> None:
@@ -71,6 +82,7 @@ def test_the_story(window: Window) -> Iterator[None]:
         assert window.window.screen.is_animation_playing
         while len(seen) < 8:
             yield
+        assert not outlined(window, poses[1], 1), "not while it plays"
         yield from window.key("SPACE")
     finally:
         bpy.app.handlers.frame_change_post.remove(watch)
