@@ -114,6 +114,7 @@ def run(pictures: Path | None) -> None:
         if pictures:
             images[f"arcs_{character.name.split()[-1].lower()}"] = swing(character, obj)
         obj.select_set(False)
+        obj.hide_render = True  # until the film: the next one's pictures show what is behind it, too
 
     out = ROOT / "out"
     out.mkdir(exist_ok=True)
@@ -224,6 +225,8 @@ def make_film(cast: Sequence[Character], path: Path) -> Image.Image:
     scene = bpy.context.scene
     stage = film.build_stage(STAGE, {character.x: character.stance for character in cast})
     scene.collection.objects.link(stage)
+    for obj in scene.objects:
+        obj.hide_render = False
     film.prepare(scene, STAGE)
     frames = film.shoot(scene, path, SHEET_STEP)
     stage.hide_set(True)  # in the viewport, where the characters are posed
