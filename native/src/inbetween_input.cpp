@@ -126,7 +126,7 @@ Eigen::MatrixXi turns_of(const EdgeGraph& graph, const std::vector<Points>& keys
 
 std::vector<Eigen::VectorXi> anchors_of(const EdgeGraph& graph, const std::vector<Points>& keys,
                                         const InbetweenOptions& options) {
-  const auto anchors = for_transitions("anchor", options.anchors, keys.size() - 1);
+  auto anchors = for_transitions("anchor", options.anchors, keys.size() - 1);
   for (std::size_t k = 0; k < anchors.size(); ++k) {
     for (Eigen::Index i = 0; i < anchors[k].size(); ++i) {
       require_vertex(row_of(name_of("anchor", options.anchors, k).c_str(), i), anchors[k][i], graph);
@@ -137,7 +137,7 @@ std::vector<Eigen::VectorXi> anchors_of(const EdgeGraph& graph, const std::vecto
 
 std::vector<Edges> joints_of(const EdgeGraph& graph, const std::vector<Points>& keys,
                              const InbetweenOptions& options) {
-  const auto joints = for_transitions("joints", options.joints, keys.size() - 1);
+  auto joints = for_transitions("joints", options.joints, keys.size() - 1);
   for (std::size_t k = 0; k < joints.size(); ++k) {
     DisjointSets together(static_cast<std::size_t>(graph.n_parts));
     std::vector<char> carried(static_cast<std::size_t>(graph.n_parts));
