@@ -1,59 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "flip_repair.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "part_condition.h"
 
 namespace planar {
 
 namespace {
 
 constexpr Eigen::Index frames_per_step = 4;
-constexpr double most_strain = 3.0;       // of a triangle: it is about to collapse
 constexpr double tracked_settled = 1e-4;  // these are only where others start
 constexpr double settled = 1e-5;
 
 }  // namespace
-
-/// The triangles of the parts that need repair and can be repaired.
-Triangles FlipRepair::failing(const EdgeGraph& graph, const Points& from, const Points& to,
-                              const Eigen::VectorXd& u, ThreadTeam& team) const {
-  const auto part_of = [&graph](std::size_t t) {
-    return static_cast<std::size_t>(
-        graph.part[static_cast<std::size_t>(graph.triangles(static_cast<Eigen::Index>(t), 0))]);
-  };
-  const auto n_parts = static_cast<std::size_t>(graph.n_parts);
-  const Orientation upright(from, graph.triangles);
-  const BlendedTriangles blended(from, to, graph.triangles);
-  std::vector<std::vector<char>> fails(frames_.size(), std::vector<char>(n_parts));
-  team.run(frames_.size(), [&](std::size_t k, std::size_t) {
-    std::vector<double> area;
-    upright.measure(frames_[k], area);
-    for (std::size_t t = 0; t < area.size(); ++t) {
-      char& failing = fails[k][part_of(t)];
-      failing =
-          failing || area[t] < 0.0 ||
-          blended.strain(static_cast<int>(t), frames_[k], u[static_cast<Eigen::Index>(k)]) > most_strain;
-    }
-  });
-  std::vector<double> area;
-  upright.measure(to, area);
-  const Orientation at_the_end(to, graph.triangles);
-  std::vector<char> hopeless(n_parts);
-  for (std::size_t t = 0; t < area.size(); ++t) {
-    const auto number = static_cast<int>(t);
-    if (area[t] < 0.0 || upright.judges(number) != at_the_end.judges(number)) hopeless[part_of(t)] = 1;
-  }
-  std::vector<int> rows;
-  for (std::size_t t = 0; t < area.size(); ++t) {
-    const std::size_t part = part_of(t);
-    if (hopeless[part]) continue;
-    if (std::any_of(fails.begin(), fails.end(), [part](const auto& frame) { return frame[part] != 0; })) {
-      rows.push_back(static_cast<int>(t));
-    }
-  }
-  return graph.triangles(rows, Eigen::all);
-}
 
 FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points& to, Eigen::Index steps,
                        const Frames& frames, const std::function<void(double)>& progress, ThreadTeam& team) {
@@ -61,7 +21,8 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
   const Eigen::Index last = frames_per_step * steps;
   const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(last + 1, 0.0, 1.0);
   frames_ = frames(u);
-  const Triangles triangles = failing(graph, from, to, u, team);
+  const auto conditions = conditions_of_parts(graph, from, to, frames_, u, team);
+  const Triangles triangles = triangles_of_parts(graph, conditions, PartCondition::failing);
   if (triangles.rows() == 0) return;
   std::vector<std::unique_ptr<FrameTracker>> trackers;
   trackers.reserve(static_cast<std::size_t>(team.size()));

@@ -14,9 +14,8 @@ namespace planar {
 /// Keeps the triangles of a transition from flipping between two keys in which they lie the same way round.
 ///
 /// The frames of such a transition are tracked as a whole, those before the middle from the first key on, the
-/// others from the second, each starting from its neighbour; single ones would pop. Parts in which no
-/// triangle is flipped or about to collapse on the way, or one is flipped or flat in one key but not in the
-/// other, are left alone.
+/// others from the second, each starting from its neighbour; single ones would pop. Parts that are not
+/// PartCondition::failing are left alone.
 class FlipRepair {
  public:
   /// The frames at several u, before repair.
@@ -34,9 +33,6 @@ class FlipRepair {
   Points repaired(const Points& y, double u, std::size_t thread) const;
 
  private:
-  Triangles failing(const EdgeGraph& graph, const Points& from, const Points& to, const Eigen::VectorXd& u,
-                    ThreadTeam& team) const;
-
   std::vector<Points> frames_, tracked_;  ///< at uniform u, keys included; before, after repair
   std::vector<std::unique_ptr<FrameTracker>> trackers_;  ///< one a thread; none if there is nothing to repair
 };

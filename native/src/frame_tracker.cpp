@@ -14,6 +14,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double closeness = 10.0;   // w in units of (diagonal / 50)⁻²
+constexpr double hold = 1e-3;        // of w in steps of the energy alone, which does not tell places
 constexpr double blocked = 0.5;      // share of a step up to a collapse below which the metric is changed
 constexpr double margin = 0.8;       // of the way to a collapse
 constexpr double sufficient = 1e-4;  // Armijo
@@ -53,10 +54,10 @@ FrameTracker::FrameTracker(const Triangles& triangles, const Points& from, const
       orientation_(from, triangles),
       blended_(from, to, triangles),
       diagonal_(std::max(diagonal_of(from), diagonal_of(to))),
+      area_of_keys_(0.5 * (area_of(from, triangles) + area_of(to, triangles))),
       energy_(energy_at(0.5)) {
   const auto n_used = mesh_.n_vertices - std::count(mesh_.part.begin(), mesh_.part.end(), -1);
-  const double share =
-      0.5 * (area_of(from, triangles) + area_of(to, triangles)) / static_cast<double>(n_used);
+  const double share = area_of_keys_ / static_cast<double>(n_used);
   pull_ = closeness * 2500.0 / (diagonal_ * diagonal_) * share;
   solver_->analyze(matrix_.matrix());
 }
@@ -66,7 +67,7 @@ RestEnergy FrameTracker::energy_at(double u) const {
 }
 
 /// Fills in direction_ by a Newton step, or by one in the Killing metric.
-void FrameTracker::solve(bool killing, const Points& x) {
+void FrameTracker::solve(bool killing, const Points& x, double pull) {
   double factor = scale_;
   if (killing) {
     matrix_.assemble(x, {}, parts_);
@@ -77,7 +78,7 @@ void FrameTracker::solve(bool killing, const Points& x) {
   }
   for (std::size_t i = 0; i < matrix_.matrix().value.size(); ++i) matrix_.values()[i] *= factor;
   for (int v = 0; v < mesh_.n_vertices; ++v) {
-    if (mesh_.part[at(v)] >= 0) matrix_.add(v, v, 2.0 * pull_);
+    if (mesh_.part[at(v)] >= 0) matrix_.add(v, v, 2.0 * pull);
   }
   solver_->factorize(matrix_.matrix());
   unknown_.resize(matrix_.matrix().size);
@@ -111,17 +112,31 @@ Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, 
   return result;
 }
 
+FrameTracker::Step FrameTracker::step_at(const Points& x, double u) {
+  energy_ = energy_at(u);
+  scale_ = 1.0;
+  Step result;
+  result.area = area_of_keys_;
+  result.energy = energy_.gradient(x, gradient_);
+  if (!std::isfinite(result.energy)) return result;
+  solve(false, x, hold * pull_);
+  result.collapse = energy_.first_collapse(x, direction_);
+  result.slope = gradient_.cwiseProduct(direction_).sum();
+  result.direction = direction_;
+  return result;
+}
+
 void FrameTracker::minimise(double settled, Points& x) {
   orientation_.measure(x, area_);
   for (int step = 0; step < most_steps; ++step) {
     const double start = scale_ * energy_.gradient(x, gradient_) + pull_ * (x - y_).squaredNorm();
     gradient_ = scale_ * gradient_ + 2.0 * pull_ * (x - y_);
     if (!std::isfinite(start)) throw SolveError("a frame cannot be kept from flipping");
-    solve(false, x);
+    solve(false, x, pull_);
     double collapse = energy_.first_collapse(x, direction_);
     const bool newton = collapse >= blocked;
     if (!newton) {
-      solve(true, x);
+      solve(true, x, pull_);
       collapse = energy_.first_collapse(x, direction_);
     }
     const double longest = direction_.rowwise().norm().maxCoeff();

@@ -30,12 +30,25 @@ class FrameTracker {
   /// most `settled` of the keys' diagonal. \throw SolveError numbers overflow
   Points follow(const Points& x, const Points& of, const Points& y, double u, double settled);
 
+  /// A projected Newton step of E_u alone.
+  struct Step {
+    Points direction;
+    double collapse = 0.0;  ///< the least t at which x + t direction has a triangle without area
+    double energy = 0.0;    ///< E_u(x); not finite where a triangle is flat
+    double slope = 0.0;     ///< of E_u along direction
+    double area = 0.0;      ///< of the keys, which tells how finely energies are known
+  };
+  /// From x without flips. Places, which the energy does not tell, hardly change.
+  /// \throw SolveError the Hessian cannot be factorized
+  Step step_at(const Points& x, double u);
+  double energy_of(const Points& x, double u) const { return energy_at(u).value(x); }
+
  private:
   Points predicted(const Points& x, const Points& of, const Points& y) const;
   void minimise(double settled, Points& x);
   RestEnergy energy_at(double u) const;
   double value(const Points& x) const { return scale_ * energy_.value(x) + pull_ * (x - y_).squaredNorm(); }
-  void solve(bool killing, const Points& x);
+  void solve(bool killing, const Points& x, double pull);
   bool keeps_upright(const Points& x);
 
   Mesh mesh_;
@@ -45,7 +58,8 @@ class FrameTracker {
   Orientation orientation_;
   BlendedTriangles blended_;
   double diagonal_;
-  double pull_;  ///< w m
+  double area_of_keys_;  ///< their mean
+  double pull_;          ///< w m
 
   // Of the frame under way.
   RestEnergy energy_;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "frame_relaxation.h"
+
 namespace planar {
 
 namespace {
@@ -84,7 +86,8 @@ MidpointTransition::MidpointTransition(const EdgeGraph& graph, const FrameAssemb
     }
     edges_(i, steps_) = last;
   });
-  iterate(graph, assembler, settings, team);
+  const ComplexRows points = iterate(graph, assembler, settings, team);
+  relax(graph, from, to, points, settings, team);
 
   length_.resize(n_edges, steps_ + 1);
   angle_.resize(n_edges, steps_ + 1);
@@ -99,8 +102,9 @@ MidpointTransition::MidpointTransition(const EdgeGraph& graph, const FrameAssemb
   edges_.resize(0, 0);
 }
 
-void MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssembler& assembler,
-                                 const Settings& settings, ThreadTeam& team) {
+/// The points of the inner frames, columns 0..steps_-2.
+ComplexRows MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssembler& assembler,
+                                        const Settings& settings, ThreadTeam& team) {
   // Columns 0 and steps_ are the keys; the unknown frames between them are columns of their own table.
   const Eigen::Index inner = steps_ - 1, padded = FrameAssembler::padded(inner);
   const auto passes = static_cast<std::size_t>(padded / FrameAssembler::lanes);
@@ -126,11 +130,32 @@ void MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssembler& a
     const double furthest = std::sqrt(moved.maxCoeff<Eigen::PropagateNaN>());
     if (!std::isfinite(furthest))
       throw SolveError("the in-betweens overflow: are the keys' numbers sensible?");
-    if (iteration > 0 && furthest < settings.tolerance) break;
-    if (iteration == settings.max_iterations) break;
-    settings.progress(iteration / (iteration + 4.0));  // most transitions take about four
+    if (iteration > 0 && furthest < settings.tolerance) return points;
+    if (iteration == settings.max_iterations) return points;
+    settings.progress(0.5 * iteration / (iteration + 4.0));  // most transitions take about four
     for_edges(edges_.rows(), team, [&](Eigen::Index i) { minimise_midpoint_energy(edges_.row(i)); });
   }
+}
+
+void MidpointTransition::relax(const EdgeGraph& graph, const Points& from, const Points& to,
+                               const ComplexRows& points, const Settings& settings, ThreadTeam& team) {
+  const Eigen::Index inner = steps_ - 1;
+  std::vector<Points> frames(static_cast<std::size_t>(inner));
+  Eigen::VectorXd u(inner);
+  for (Eigen::Index k = 0; k < inner; ++k) {
+    u[k] = static_cast<double>(k + 1) / static_cast<double>(steps_);
+    Points& frame = frames[static_cast<std::size_t>(k)];
+    frame.resize(graph.n_vertices, 2);
+    frame.col(0) = points.col(k).real();
+    frame.col(1) = points.col(k).imag();
+  }
+  relax_frames(
+      graph, from, to, u, frames, [&](double done) { settings.progress(0.5 + 0.5 * done); }, team);
+  for_edges(edges_.rows(), team, [&](Eigen::Index i) {
+    for (Eigen::Index k = 0; k < inner; ++k) {
+      edges_(i, k + 1) = graph.vector(static_cast<std::size_t>(i), frames[static_cast<std::size_t>(k)]);
+    }
+  });
 }
 
 /// Per u, of the parabola through the outermost three frames.

@@ -46,8 +46,10 @@ class MidpointTransition {
  private:
   using Table = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  void iterate(const EdgeGraph& graph, const FrameAssembler& assembler, const Settings& settings,
-               ThreadTeam& team);
+  ComplexRows iterate(const EdgeGraph& graph, const FrameAssembler& assembler, const Settings& settings,
+                      ThreadTeam& team);
+  void relax(const EdgeGraph& graph, const Points& from, const Points& to, const ComplexRows& points,
+             const Settings& settings, ThreadTeam& team);
   void sample_outside(double u, ComplexRows& edges, Eigen::Index column) const;
   double first_slope(const Table& of, Eigen::Index edge) const;
   double last_slope(const Table& of, Eigen::Index edge) const;

@@ -27,6 +27,7 @@ using KeyPose = std::variant<int, Offsets>;
 struct Step {
   const char *name, *character;
   KeyPose from, to;
+  double change_by_a_key = 0.02;  // of the diagonal
 };
 
 class Transition : public ::testing::TestWithParam<Step> {
@@ -127,7 +128,7 @@ TEST_P(Transition, HardlyChangesByOneMoreKeyOfItsOwn) {
     const Eigen::VectorXd times = uniform(10);
     const auto again = frames_of({keys[0], once[static_cast<std::size_t>(more)], keys[1]},
                                  Eigen::Vector3d(0.0, times[more], 1.0), times);
-    EXPECT_LT(largest_difference(once, again), 0.02 * diagonal) << more;
+    EXPECT_LT(largest_difference(once, again), GetParam().change_by_a_key * diagonal) << more;
   }
 }
 
@@ -161,9 +162,9 @@ constexpr Offsets high{{{-0.019, 0.085},
                         {0.255, -0.1}}};
 
 // In the first one triangles would flip soon after the rest shape; in the second one a triangle would nearly
-// collapse half way.
+// collapse half way. What is repaired as a whole need not be so on either side of one more key.
 INSTANTIATE_TEST_SUITE_P(Far, Transition,
-                         ::testing::Values(Step{"torn", "elephant", -1, torn},
+                         ::testing::Values(Step{"torn", "elephant", -1, torn, 0.03},
                                            Step{"squeezed", "elephant", low, high}),
                          name_of);
 

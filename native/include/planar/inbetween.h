@@ -97,17 +97,20 @@ struct InbetweenOptions {
 /// 4. The unknowns live on a grid between two keys that depends on these two alone. Sampling between its
 /// frames interpolates each edge's length and angle, and assembles by (10).
 ///
-/// 5. Where triangles of a mesh would be flipped or three times as long or short as they should be on the
+/// 5. Edges know lengths only. Two Newton steps take the frames of a mesh's grid towards the shapes in which
+/// triangles are least distorted from what they are in the two keys, blended.
+///
+/// 6. Where triangles of a mesh would be flipped or three times as long or short as they should be on the
 /// way, though they lie the same way round in both keys, the transition is tracked: its frames minimise w |x
 /// - y|² to the frame y as it was, plus the symmetric Dirichlet energy with respect to the two keys'
 /// triangles, blended, each starting from its neighbour.
 ///
-/// 6. If smooth, lengths and angles of edges, turns of parts and places of anchors meet a key between others
+/// 7. If smooth, lengths and angles of edges, turns of parts and places of anchors meet a key between others
 /// with the same slope from both sides: each its harmonic mean, so that what rests or turns back at a key
 /// does so without overshoot. Cubics that are 0 at the keys are added for it. A part whose anchor is another
 /// one behind the key turns and bends smoothly, but its anchors keep to their own paths.
 ///
-/// 7. Translation, which the paper leaves out: an anchor of each part moves on a path, or another part
+/// 8. Translation, which the paper leaves out: an anchor of each part moves on a path, or another part
 /// carries it. Isolated vertices move straight.
 class Inbetweens {
  public:
