@@ -18,7 +18,7 @@ test: ## All tests: native (three builds), Python, Blender data, Blender window
 
 matrix: ## The Blender tests in every supported Blender
 	@tools/setup.sh test
-	@$(PYTHON) tools/run_suites.py matrix
+	@$(PYTHON) tools/run_suites.py matrix $(if $(AFTER_TEST),--after-test)
 
 lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, and the add-on's registration
 	@tools/setup.sh lint

@@ -5,10 +5,15 @@
 Each suite is a command that prints a runner's closing line; its whole output goes to out/logs/. A suite that
 fails or runs no test fails the command. Only a suite that needs the newest Debian room may be left out, only
 when the room cannot be made, and the table says so.
+
+usage: tools/run_suites.py test|matrix [--after-test]
+--after-test: without the suites of the matrix that `make test` runs on this machine, which come before it.
 """
 
 import dataclasses
+import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -62,6 +67,17 @@ SUITES = {
 }
 
 
+def in_test() -> set[str]:
+    """The suites of the matrix that are in the test command on this machine, under shorter names."""
+    default = subprocess.run(
+        ["tools/default_bpy.sh"], cwd=PROJECT, stdout=subprocess.PIPE, text=True, check=True
+    )
+    names = {f"{suite}-{default.stdout.strip()}" for suite in ("data", "extension")}
+    if not os.environ.get("BLENDER") and shutil.which("blender") is None:  # see tools/window_tests.sh
+        names.add("window-trixie")
+    return names
+
+
 def counts(log: str) -> tuple[int, int]:
     """(passed, failed) from the closing lines of pytest, ctest and our own runners."""
     ctest = re.findall(r"(\d+) tests failed out of (\d+)", log)
@@ -104,7 +120,8 @@ def run(suite: Suite) -> Outcome:
 
 def main() -> int:
     LOGS.mkdir(parents=True, exist_ok=True)
-    outcomes = [run(suite) for suite in SUITES[sys.argv[1]]]
+    left_out = in_test() if "--after-test" in sys.argv[2:] else set()
+    outcomes = [run(suite) for suite in SUITES[sys.argv[1]] if suite.name not in left_out]
     print(f"\n{'suite':17} {'passed':>6} {'failed':>6} {'seconds':>8}")
     for o in outcomes:
         what = f"{'left out':>13}" if o.left_out else f"{o.passed:6} {o.failed:6}"
