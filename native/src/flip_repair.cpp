@@ -24,11 +24,7 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
   const auto conditions = conditions_of_parts(graph, from, to, frames_, u, team);
   const Triangles triangles = triangles_of_parts(graph, conditions, PartCondition::failing);
   if (triangles.rows() == 0) return;
-  std::vector<std::unique_ptr<FrameTracker>> trackers;
-  trackers.reserve(static_cast<std::size_t>(team.size()));
-  for (int i = 0; i < team.size(); ++i) {
-    trackers.push_back(std::make_unique<FrameTracker>(triangles, from, to));
-  }
+  auto trackers = FrameTracker::one_a_thread(team, triangles, from, to);
   tracked_ = frames_;
   const auto step = [&](Eigen::Index k, Eigen::Index neighbour, std::size_t thread) {
     const Points& y = frames_[static_cast<std::size_t>(k)];

@@ -36,6 +36,7 @@ bool step(const Trackers& trackers, const Eigen::VectorXd& u, std::vector<Points
       return false;
     }
   }
+  const double error = rounding * trackers[0]->area();
   double t = 1.0;
   for (const FrameTracker::Step& found : steps) {
     if (!std::isfinite(found.energy) || !found.direction.allFinite()) return false;
@@ -47,7 +48,7 @@ bool step(const Trackers& trackers, const Eigen::VectorXd& u, std::vector<Points
     team.run(frames.size(), [&](std::size_t k, std::size_t thread) {
       relaxed[k] = frames[k] + t * steps[k].direction;
       const double energy = trackers[thread]->energy_of(relaxed[k], u[static_cast<Eigen::Index>(k)]);
-      lower[k] = energy <= steps[k].energy + sufficient * t * steps[k].slope + rounding * steps[k].area;
+      lower[k] = energy <= steps[k].energy + sufficient * t * steps[k].slope + error;
     });
     if (std::all_of(lower.begin(), lower.end(), [](char is) { return is != 0; })) {
       frames = std::move(relaxed);
@@ -62,15 +63,10 @@ bool step(const Trackers& trackers, const Eigen::VectorXd& u, std::vector<Points
 void relax_frames(const EdgeGraph& graph, const Points& from, const Points& to, const Eigen::VectorXd& u,
                   std::vector<Points>& frames, const std::function<void(double)>& progress,
                   ThreadTeam& team) {
-  if (graph.triangles.rows() == 0) return;
   const auto conditions = conditions_of_parts(graph, from, to, frames, u, team);
   const Triangles triangles = triangles_of_parts(graph, conditions, PartCondition::sound);
   if (triangles.rows() == 0) return;
-  Trackers trackers;
-  trackers.reserve(static_cast<std::size_t>(team.size()));
-  for (int i = 0; i < team.size(); ++i) {
-    trackers.push_back(std::make_unique<FrameTracker>(triangles, from, to));
-  }
+  const auto trackers = FrameTracker::one_a_thread(team, triangles, from, to);
   for (int taken = 0; taken < n_steps; ++taken) {
     const auto share = [&](double done) { progress((taken + done) / n_steps); };
     if (!step(trackers, u, frames, share, team)) return;

@@ -62,6 +62,17 @@ FrameTracker::FrameTracker(const Triangles& triangles, const Points& from, const
   solver_->analyze(matrix_.matrix());
 }
 
+std::vector<std::unique_ptr<FrameTracker>> FrameTracker::one_a_thread(const ThreadTeam& team,
+                                                                      const Triangles& triangles,
+                                                                      const Points& from, const Points& to) {
+  std::vector<std::unique_ptr<FrameTracker>> result;
+  result.reserve(at(team.size()));
+  for (int i = 0; i < team.size(); ++i) {
+    result.push_back(std::make_unique<FrameTracker>(triangles, from, to));
+  }
+  return result;
+}
+
 RestEnergy FrameTracker::energy_at(double u) const {
   return {[&](int t, int v) { return blended_.corner(t, v, u); }, matrix_, orientation_, {}};
 }
@@ -116,7 +127,6 @@ FrameTracker::Step FrameTracker::step_at(const Points& x, double u) {
   energy_ = energy_at(u);
   scale_ = 1.0;
   Step result;
-  result.area = area_of_keys_;
   result.energy = energy_.gradient(x, gradient_);
   if (!std::isfinite(result.energy)) return result;
   solve(false, x, hold * pull_);

@@ -10,6 +10,7 @@
 #include "orientation.h"
 #include "rest_energy.h"
 #include "sparse_solver.h"
+#include "thread_team.h"
 
 namespace planar {
 
@@ -20,9 +21,15 @@ namespace planar {
 /// from a shape without flips, with y the frame at u, E_u the rest energy of the keys' blended triangles, m
 /// an equal share of the area and w = 10 / (diagonal/50)². E_u is least at the keys for the keys themselves,
 /// so that the solution leaves y slowly; with the factor before it it even has the velocities of y there. By
-/// projected Newton steps, in the Killing metric where a triangle blocks them.
+/// projected Newton steps, in the Killing metric where a triangle blocks them. Those of E_u alone are to be
+/// had as well.
 class FrameTracker {
  public:
+  /// For the threads of a team, which must not share one.
+  static std::vector<std::unique_ptr<FrameTracker>> one_a_thread(const ThreadTeam& team,
+                                                                 const Triangles& triangles,
+                                                                 const Points& from, const Points& to);
+
   /// \param triangles of the parts to work on; other vertices stay
   FrameTracker(const Triangles& triangles, const Points& from, const Points& to);
 
@@ -36,12 +43,14 @@ class FrameTracker {
     double collapse = 0.0;  ///< the least t at which x + t direction has a triangle without area
     double energy = 0.0;    ///< E_u(x); not finite where a triangle is flat
     double slope = 0.0;     ///< of E_u along direction
-    double area = 0.0;      ///< of the keys, which tells how finely energies are known
   };
   /// From x without flips. Places, which the energy does not tell, hardly change.
   /// \throw SolveError the Hessian cannot be factorized
   Step step_at(const Points& x, double u);
   double energy_of(const Points& x, double u) const { return energy_at(u).value(x); }
+
+  /// Of the triangles, the mean of both keys: energies are known to a share of it.
+  double area() const { return area_of_keys_; }
 
  private:
   Points predicted(const Points& x, const Points& of, const Points& y) const;

@@ -87,7 +87,7 @@ MidpointTransition::MidpointTransition(const EdgeGraph& graph, const FrameAssemb
     edges_(i, steps_) = last;
   });
   const ComplexRows points = iterate(graph, assembler, settings, team);
-  relax(graph, from, to, points, settings, team);
+  if (graph.triangles.rows() > 0) relax(graph, from, to, points, settings, team);
 
   length_.resize(n_edges, steps_ + 1);
   angle_.resize(n_edges, steps_ + 1);
