@@ -22,7 +22,7 @@ from .frame import Array, Indices, Mask
 Array32 = NDArray[np.float32]
 
 SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
-SAME_PLACE = 0.05
+SAME_PLACE = 0.05  # of two blocks, which are at least twice as far apart
 
 
 @dataclass(frozen=True)

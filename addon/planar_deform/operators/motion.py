@@ -18,10 +18,8 @@ class MotionOperator(LongOperator):
 
     @classmethod
     def refusal(cls, context):
-        reason = super().refusal(context)
-        if reason is None and not sequence.is_ours(context.object):
-            return "No poses are keyed: use Key Pose first"
-        return reason or sequence.refusal(context.object)
+        obj = context.object
+        return super().refusal(context) or sequence.absence(obj) or sequence.refusal(obj)
 
     @classmethod
     def repeats(cls, context) -> bool:

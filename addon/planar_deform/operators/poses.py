@@ -33,10 +33,7 @@ class PoseListOperator(ShapeOperator):
 
     @classmethod
     def refusal(cls, context):
-        reason = super().refusal(context)
-        if reason is None and not sequence.is_ours(context.object):
-            return "No poses are keyed: use Key Pose first"
-        return reason
+        return super().refusal(context) or sequence.absence(context.object)
 
 
 class OnePoseOperator(PoseListOperator):

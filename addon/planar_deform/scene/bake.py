@@ -12,9 +12,10 @@ from collections.abc import Callable, Iterator
 import bpy
 import numpy as np
 
+from ..model.played_curve import SAME_FRAME
 from . import compat, playback, point_cache, points, sequence
 from .errors import Refusal
-from .pose_blocks import SAME_FRAME, keyed, own_curve, points_of
+from .pose_blocks import keyed, own_curve
 from .shape import shape_refusal
 
 FORMS = ("SHAPES", "POINT_CACHE", "RELATIVE_KEYS")
@@ -22,10 +23,7 @@ FORMS = ("SHAPES", "POINT_CACHE", "RELATIVE_KEYS")
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
     """Why there is nothing that could be baked, and what to do; None when there is."""
-    reason = shape_refusal(obj)
-    if reason is None and not sequence.is_ours(obj):
-        return "No poses are keyed: use Key Pose first"
-    return reason
+    return shape_refusal(obj) or sequence.absence(obj)
 
 
 def frame_range(scene: bpy.types.Scene) -> tuple[int, int]:
@@ -113,7 +111,7 @@ def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
         shapes.append(shape)
         yield share
     obj = find()
-    rest = points_of(obj, obj.data.shape_keys.reference_key)
+    rest = points.read_block(obj, obj.data.shape_keys.reference_key)
     sequence.clear(obj)
     if obj.data.shape_keys is not None:
         obj.data.shape_keys.animation_data_clear()
@@ -148,8 +146,8 @@ def _blend(obj: bpy.types.Object, names: list[str], frames: range) -> None:
         curve = curves.new(block.path_from_id("value"))
         curve.keyframe_points.add(len(timing))
         curve.keyframe_points.foreach_set("co", np.array(timing, np.float32).ravel())
-        linear = curve.keyframe_points[0].bl_rna.properties["interpolation"].enum_items["LINEAR"].value
-        curve.keyframe_points.foreach_set("interpolation", np.full(len(timing), linear, np.int32))
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
         curve.update()
         block.value = curve.evaluate(now)
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,10 +12,9 @@ import numpy as np
 from .. import native
 from ..model.frame import Array, Indices
 from ..model.order_of_time import Entry
+from ..model.work import Progress
 from . import joints
 from .shape import SceneShape
-
-Progress = Callable[[float], bool | None]
 
 PLANTED = 1e-3  # of the diagonal: a pin that has moved less between two poses stands still
 _SAMPLED = 0.1  # of the share of the work: sampling, after solving
@@ -81,16 +80,15 @@ class Plan:
         runs = self._runs()
         for number, (first, last) in enumerate(runs):
 
-            def solved(share: float, number: int = number) -> bool | None:
-                done = (number + (1.0 - _SAMPLED) * share) / len(runs)
-                return True if progress is None else progress(done)
+            def solved(share: float, number: int = number) -> bool:
+                return progress is None or progress((number + (1.0 - _SAMPLED) * share) / len(runs))
 
             motion = self.motion(first, last, solved)
             for transition in range(first, last):
                 if self.samples[transition]:
                     found += list(motion.at(self._sample_times(transition)))
                 share = (transition + 1 - first) / (last - first)
-                if progress is not None and progress((number + share) / len(runs)) is False:
+                if progress is not None and not progress((number + share) / len(runs)):
                     raise native.Cancelled
         return found
 

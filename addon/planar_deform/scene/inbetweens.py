@@ -26,7 +26,8 @@ from . import pins as scene_pins
 from .errors import Refusal
 from .inbetween_plan import Plan
 from .inbetween_writing import remove, write
-from .pose_blocks import FIRST, HOLD, SPACING, block_at, keyed, points_of
+from .points import read_block
+from .pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
 from .shape import SceneShape, is_outline, shape_refusal
 from .stretches import Stamps, Stretch, entries_of, has_inbetweens, mark, stale, stretches
 
@@ -81,7 +82,7 @@ def plan(
         if pose is not None and (original := stamps.original(pose)) is not None:
             place = original.at
         made_of.append(stamps.digest(place))
-        shapes.append(points_of(obj, block_at(obj.data.shape_keys, place)))
+        shapes.append(read_block(obj, block_at(obj.data.shape_keys, place)))
         turns.append(0 if pose is None or entry.copy else pose.turns)
     result = _plan_of(scene, obj, shapes, turns[:-1])
     if path is not None:
@@ -113,7 +114,7 @@ def way(scene: SceneShape, poses: Sequence[int], times: Sequence[float]) -> Plan
     """The way through some poses (indices) at these times; for motion() and coordinates(). Raises Refusal."""
     obj = scene.resolve()
     chosen = [obj.planar.poses[pose] for pose in poses]
-    shapes = [points_of(obj, block_at(obj.data.shape_keys, pose.at)) for pose in chosen]
+    shapes = [read_block(obj, block_at(obj.data.shape_keys, pose.at)) for pose in chosen]
     result = _plan_of(scene, obj, shapes, [pose.turns for pose in chosen[:-1]])
     result.times = list(times)
     return result

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .pose_blocks import SAME_FRAME, SAME_PLACE, keyed
+from ..model.played_curve import SAME_FRAME, SAME_PLACE
+from .pose_blocks import keyed
 
 
 @dataclass(frozen=True)

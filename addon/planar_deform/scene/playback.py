@@ -15,22 +15,11 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array
+from ..model.played_curve import SAME_PLACE
 from . import pose_curve
 from .errors import ObjectGone
-from .points import write_block
-from .pose_blocks import (
-    FIRST,
-    HOLD,
-    SAME_PLACE,
-    SPACING,
-    STILL,
-    add,
-    blended,
-    block_at,
-    places,
-    points_of,
-    take_out,
-)
+from .points import read_block, write_block
+from .pose_blocks import FIRST, HOLD, SPACING, STILL, add, blended, block_at, places, take_out
 
 Record = dict[str, Any]
 
@@ -270,14 +259,14 @@ class _Undo:
     def take_out(self, obj: bpy.types.Object, place: float) -> _Stored:
         block = block_at(obj.data.shape_keys, place)
         settings = {name: getattr(block, name) for name in _SETTINGS}
-        stored = _Stored(block.name, place, points_of(obj, block), settings)
+        stored = _Stored(block.name, place, read_block(obj, block), settings)
         obj.shape_key_remove(block)
         self._removed.append(stored)
         return stored
 
     def overwrite(self, obj: bpy.types.Object, place: float, shape: np.ndarray) -> None:
         block = block_at(obj.data.shape_keys, place)
-        self._overwritten.append((place, points_of(obj, block)))
+        self._overwritten.append((place, read_block(obj, block)))
         write_block(block, shape)
 
     def add(

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ..model.played_curve import SAME_FRAME, SAME_PLACE
 from . import compat, points
 from .errors import Refusal
 
@@ -16,8 +17,6 @@ SPACING = 8.0
 HOLD = 500_000.0
 SCRATCH = 1_000_000.0
 STILL = 1_040_000.0  # what is shown while blocks are laid anew; eval_time goes to 1 048 574
-SAME_PLACE = 0.05
-SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
 
 
 def places(keys: bpy.types.Key) -> np.ndarray:
@@ -61,11 +60,6 @@ def played(keys: bpy.types.Key) -> list[bpy.types.ShapeKey]:
     ]
 
 
-def points_of(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
-    """The shape that a block holds, see scene/points.py. Raises Refusal."""
-    return points.read_block(obj, block)
-
-
 def blended(obj: bpy.types.Object, time: float) -> np.ndarray:
     """The shape that a value of eval_time shows, as Blender evaluates absolute keys.
 
@@ -75,7 +69,7 @@ def blended(obj: bpy.types.Object, time: float) -> np.ndarray:
     at = np.round(places(keys), 2)
     upper = int(np.searchsorted(at, time))
     if upper == len(at) or upper == 0 or at[upper] == time:
-        return points_of(obj, keys.key_blocks[min(upper, len(at) - 1)])
+        return points.read_block(obj, keys.key_blocks[min(upper, len(at) - 1)])
     pair = keys.key_blocks[upper - 1], keys.key_blocks[upper]
     for block in pair:
         if block.interpolation != "KEY_LINEAR":
@@ -83,7 +77,7 @@ def blended(obj: bpy.types.Object, time: float) -> np.ndarray:
                 f"Shape key '{block.name}' is not interpolated linearly: choose Linear in its panel"
             )
     share = share_of(at[upper - 1], at[upper], time)
-    low, high = (points_of(obj, block) for block in pair)
+    low, high = (points.read_block(obj, block) for block in pair)
     return low * (np.float32(1.0) - share) + high * share
 
 

@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array, Mask
-from ..model.played_curve import Offsets, Rows, moved
+from ..model.played_curve import SAME_FRAME, Offsets, Rows, moved
 from . import compat
-from .pose_blocks import SAME_FRAME, keyed, own_curve, shown_curve
+from .pose_blocks import keyed, own_curve, shown_curve
 
 _PAIRS = ("co", "handle_left", "handle_right")
 _NUMBERS = ("back", "amplitude", "period")

@@ -10,9 +10,10 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array
+from ..model.played_curve import SAME_FRAME, SAME_PLACE
 from . import pose_curve
 from .playback import Block, blocks_of, follow, places_of, relay
-from .pose_blocks import SAME_FRAME, SAME_PLACE, keyed
+from .pose_blocks import keyed
 from .shape_keys import POSE_KEY
 
 

@@ -7,11 +7,12 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array
+from ..model.played_curve import SAME_FRAME, SAME_PLACE
 from . import playback, pose_curve, sequence
 from .errors import Refusal
 from .playback import blocks_of, places_of, relay, sample_name
-from .points import update, write_block
-from .pose_blocks import SAME_FRAME, SAME_PLACE, SPACING, block_at, keyed, own_curve, points_of
+from .points import read_block, update, write_block
+from .pose_blocks import SPACING, block_at, keyed, own_curve
 from .pose_insertion import close_up, put_in, shown_before
 
 
@@ -118,7 +119,7 @@ def duplicate(obj: bpy.types.Object, pose: int, frame: float) -> None:
     """Key a pose once more, as one of its own, at a frame that has none. Raises Refusal."""
     if (np.abs(keyed(obj.data.shape_keys)[:, 0] - frame) < SAME_FRAME).any():
         raise Refusal(f"Frame {frame:g} has a key: go to a frame without one")
-    shape = points_of(obj, _block_of(obj, pose))
+    shape = read_block(obj, _block_of(obj, pose))
     playback.run(sequence.put_coordinates(obj, {frame: shape}))
 
 

@@ -35,13 +35,12 @@ import bpy
 import numpy as np
 
 from ..model.frame import Array
+from ..model.played_curve import SAME_FRAME, SAME_PLACE
 from . import compat, playback, points, pose_curve, pose_insertion
 from .errors import Refusal
 from .pose_blocks import (
     FIRST,
     HOLD,
-    SAME_FRAME,
-    SAME_PLACE,
     SCRATCH,
     add,
     blended,
@@ -50,7 +49,6 @@ from .pose_blocks import (
     own_curve,
     places,
     played,
-    points_of,
     shown_curve,
     take_out,
 )
@@ -71,6 +69,11 @@ def has_blocks(obj: bpy.types.Object) -> bool:
 def is_ours(obj: bpy.types.Object) -> bool:
     """Whether the object shows a pose sequence."""
     return has_blocks(obj) and not obj.data.shape_keys.use_relative
+
+
+def absence(obj: bpy.types.Object) -> str | None:
+    """Why nothing can be done with the object's poses: that there are none; None when there are some."""
+    return None if is_ours(obj) else "No poses are keyed: use Key Pose first"
 
 
 def refusal(obj: bpy.types.Object) -> str | None:
@@ -280,7 +283,8 @@ def end_sequence(obj: bpy.types.Object) -> None:
     settings = obj.planar
     keys = obj.data.shape_keys
     below = [block for block in keys.key_blocks if block.frame < FIRST - SAME_PLACE]
-    before = points_of(obj, below[-1]) if below else points.read(obj)  # Refusal, while nothing has changed
+    # It may raise Refusal, while nothing has changed.
+    before = points.read_block(obj, below[-1]) if below else points.read(obj)
     action = None if keys.animation_data is None else keys.animation_data.action
     keys.animation_data_clear()
     if action is not None and not action.users:
@@ -305,7 +309,7 @@ def show_unkeyed(obj: bpy.types.Object, coordinates: np.ndarray) -> None:
         points.write_block(scratch, coordinates)
         return
     drop_scratch(obj)  # of another frame: since then, the last pose may have become another
-    add(obj, "Hold", HOLD, points_of(obj, played(keys)[-1]))
+    add(obj, "Hold", HOLD, points.read_block(obj, played(keys)[-1]))
     add(obj, "Unkeyed", SCRATCH, coordinates)
 
 

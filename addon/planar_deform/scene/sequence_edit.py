@@ -13,7 +13,7 @@ from ..model.frame import Array
 from ..model.work import Progress
 from . import points, sequence, stretches
 from .errors import ObjectGone, Refusal
-from .pose_blocks import played, points_of, share_of, shown_curve
+from .pose_blocks import played, share_of, shown_curve
 from .shape import begin_shape
 
 # Where a frame is blended of a kept pose and another shape, the other takes all of the change. With less than
@@ -64,7 +64,7 @@ class SequenceEdit:
             if block.lock_shape:
                 raise Refusal(f"Shape key '{block.name}' is locked: open its lock in the Shape Keys panel")
         self._names = [block.name for block in blocks[first : last + 1]]
-        self._shapes = [points_of(obj, block) for block in blocks[first : last + 1]]
+        self._shapes = [points.read_block(obj, block) for block in blocks[first : last + 1]]
         self._kept = {index - first for index in kept if first <= index <= last}
         self._shares = {index - first: value for index, value in shares.items()}
         # The places of the poses behind which there are shapes that change.

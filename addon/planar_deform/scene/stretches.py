@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 
 from ..model.order_of_time import Entry, frames_between, in_order
-from ..model.played_curve import visits
+from ..model.played_curve import SAME_PLACE, visits
 from . import sequence
 from .digests import digest, of_block
 from .playback import Block, blocks_of, whole
 from .points import bits
-from .pose_blocks import SAME_PLACE, SPACING, block_at, keyed, places
+from .pose_blocks import SPACING, block_at, keyed, places
 
 
 @dataclass(frozen=True)

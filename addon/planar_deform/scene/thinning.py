@@ -10,11 +10,12 @@ import numpy as np
 
 from .. import native
 from ..model.frame import Array
+from ..model.played_curve import SAME_PLACE
 from ..model.thinning import Thinned, thin
 from ..model.work import Progress, Work
 from . import inbetweens, sequence
 from .errors import Refusal
-from .pose_blocks import SAME_PLACE, keyed, shown_curve
+from .pose_blocks import keyed, shown_curve
 from .shape import begin_shape
 
 LOOK = 0.01  # seconds for which the thread is waited for at a time

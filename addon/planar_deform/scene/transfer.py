@@ -15,7 +15,8 @@ from ..model.work import Progress
 from . import compat, playback, pose_curve, sequence, stretches
 from .connectivity import shape_connectivity
 from .errors import Refusal
-from .pose_blocks import played, points_of
+from .points import read_block
+from .pose_blocks import played
 from .shape import SceneShape, begin_shape, read_shape
 
 CHUNK = 64  # frames between two looks at whether anybody still waits
@@ -41,7 +42,7 @@ class Transfer:
         self._connectivity = shape_connectivity(self._source)
         self._targets = [self._read(obj) for obj in context.selected_objects if obj != source]
         self._blocks = playback.blocks_of(source)
-        self._shapes = [points_of(source, block) for block in played(source.data.shape_keys)]
+        self._shapes = [read_block(source, block) for block in played(source.data.shape_keys)]
         self._stale = {pose for pose, _ in stretches.stale(source)}
         self._places = [block.source for block in self._blocks], playback.places_of(self._blocks)
 
