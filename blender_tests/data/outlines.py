@@ -3,17 +3,8 @@
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 from support import PLANES, activate, make_object
 
-TRANSFORMS = {
-    "none": Matrix(),
-    "rotated": Matrix.LocRotScale((3, -2, 5), Matrix.Rotation(1.1, 3, (1, 2, 3)).to_quaternion(), (1, 1, 1)),
-    "stretched": Matrix.LocRotScale((1, 0, 0), Matrix.Rotation(0.5, 3, "Z").to_quaternion(), (2.0, 0.5, 3.0)),
-    "mirrored": Matrix.Diagonal((-1.0, 1.0, 2.0, 1.0)),
-    "tiny": Matrix.Scale(1e-3, 4),
-    "huge and far": Matrix.Translation((5e3, -5e3, 1e3)) @ Matrix.Scale(1e3, 4),
-}
 RING = [(np.cos(a) * 1.5, np.sin(a), 0.0) for a in np.linspace(0, 2 * np.pi, 12, endpoint=False)]
 WAVE = [(0.3 * i, 0.2 * (-1) ** i, 0.0) for i in range(8)]
 

@@ -112,3 +112,30 @@ def _content(points):
     if not hasattr(points[0], "radius"):
         return coordinates(points).tobytes()
     return [(tuple(point.co), point.radius, point.tilt) for point in points]
+
+
+class History:
+    """Steps done to the object "Cutout", to be undone and redone one by one, each to the bit."""
+
+    def __init__(self, state=stored):
+        self._state = state
+        bpy.ops.ed.undo_push(message="Start")
+        self._states = [self._now()]
+
+    def did(self, result):
+        assert result == {"FINISHED"}
+        bpy.ops.ed.undo_push(message="Step")
+        self._states.append(self._now())
+
+    def undo_all(self):
+        for step in reversed(range(len(self._states) - 1)):
+            assert bpy.ops.ed.undo() == {"FINISHED"}
+            assert self._now() == self._states[step], f"undo to {step}"
+
+    def redo_all(self):
+        for step in range(1, len(self._states)):
+            assert bpy.ops.ed.redo() == {"FINISHED"}
+            assert self._now() == self._states[step], f"redo to {step}"
+
+    def _now(self):
+        return self._state(bpy.data.objects["Cutout"])

@@ -7,6 +7,15 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+TRANSFORMS = {
+    "none": Matrix(),
+    "rotated": Matrix.LocRotScale((3, -2, 5), Matrix.Rotation(1.1, 3, (1, 2, 3)).to_quaternion(), (1, 1, 1)),
+    "stretched": Matrix.LocRotScale((1, 0, 0), Matrix.Rotation(0.5, 3, "Z").to_quaternion(), (2.0, 0.5, 3.0)),
+    "mirrored": Matrix.Diagonal((-1.0, 1.0, 2.0, 1.0)),
+    "tiny": Matrix.Scale(1e-3, 4),
+    "huge and far": Matrix.Translation((5e3, -5e3, 1e3)) @ Matrix.Scale(1e3, 4),
+    "sheared": Matrix(((1, 0.6, 0, 2), (0, 1, 0.3, 0), (0, 0, 1, 1), (0, 0, 0, 1))),
+}
 # Rotations that turn the XY plane into the plane named, as local coordinates of the mesh.
 PLANES = {
     "XY": np.eye(3),

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from filling import bent_bar, everything, frames_shown, generate, put, remove, shown, stale
-from sequences import curve_of, go_to, key, same, shown_at, timing, write
+from sequences import History, curve_of, go_to, key, same, shown_at, timing, write
 from support import activate, add_end_pins, bar, evaluated
 
 
@@ -242,31 +242,20 @@ def test_duplicated_objects_have_their_own(copied_actions):
 
 
 def test_undo_and_redo():
-    obj, _ = bent_bar()
-    bpy.ops.ed.undo_push(message="Start")
-    states = [everything(obj)]
-
-    def did(result):
-        assert result == {"FINISHED"}
-        bpy.ops.ed.undo_push(message="Step")
-        states.append(everything(bpy.data.objects["Cutout"]))
-
-    did(bpy.ops.planar.generate_inbetweens())
-    did(bpy.ops.planar.generate_inbetweens(path="ARC", smooth=True))
-    did(bpy.ops.planar.retime_pose(pose=0, frame=30))
-    did(bpy.ops.planar.generate_inbetweens())
-    did(bpy.ops.planar.duplicate_pose(pose=1, frame=60))
-    did(bpy.ops.planar.delete_pose(pose=1))
-    did(bpy.ops.planar.step_poses(step=2))
-    did(bpy.ops.planar.generate_inbetweens())
-    did(bpy.ops.planar.remove_inbetweens())
-    for step in range(len(states) - 2, -1, -1):
-        assert bpy.ops.ed.undo() == {"FINISHED"}
-        assert everything(bpy.data.objects["Cutout"]) == states[step], f"undo to {step}"
+    bent_bar()
+    history = History(everything)
+    history.did(bpy.ops.planar.generate_inbetweens())
+    history.did(bpy.ops.planar.generate_inbetweens(path="ARC", smooth=True))
+    history.did(bpy.ops.planar.retime_pose(pose=0, frame=30))
+    history.did(bpy.ops.planar.generate_inbetweens())
+    history.did(bpy.ops.planar.duplicate_pose(pose=1, frame=60))
+    history.did(bpy.ops.planar.delete_pose(pose=1))
+    history.did(bpy.ops.planar.step_poses(step=2))
+    history.did(bpy.ops.planar.generate_inbetweens())
+    history.did(bpy.ops.planar.remove_inbetweens())
+    history.undo_all()
     assert stale(bpy.data.objects["Cutout"]) == []
-    for step in range(1, len(states)):
-        assert bpy.ops.ed.redo() == {"FINISHED"}
-        assert everything(bpy.data.objects["Cutout"]) == states[step], f"redo to {step}"
+    history.redo_all()
 
 
 def test_saved_and_loaded_again(tmp_path):

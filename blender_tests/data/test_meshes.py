@@ -4,9 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from mathutils import Matrix
 from support import (
     PLANES,
+    TRANSFORMS,
     activate,
     add_end_pins,
     add_pins,
@@ -19,16 +19,6 @@ from support import (
     pose,
     world,
 )
-
-TRANSFORMS = {
-    "none": Matrix(),
-    "rotated": Matrix.LocRotScale((3, -2, 5), Matrix.Rotation(1.1, 3, (1, 2, 3)).to_quaternion(), (1, 1, 1)),
-    "stretched": Matrix.LocRotScale((1, 0, 0), Matrix.Rotation(0.5, 3, "Z").to_quaternion(), (2.0, 0.5, 3.0)),
-    "mirrored": Matrix.Diagonal((-1.0, 1.0, 2.0, 1.0)),
-    "tiny": Matrix.Scale(1e-3, 4),
-    "huge and far": Matrix.Translation((5e3, -5e3, 1e3)) @ Matrix.Scale(1e3, 4),
-    "sheared": Matrix(((1, 0.6, 0, 2), (0, 1, 0.3, 0), (0, 0, 1, 1), (0, 0, 0, 1))),
-}
 
 
 @pytest.mark.parametrize("plane", PLANES)

@@ -4,9 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from outlines import CURVES, MESHES, PLACED, TRANSFORMS, chain, edges_of, lines
+from outlines import CURVES, MESHES, PLACED, chain, edges_of, lines
 from sequences import go_to, same, shown_at, stored, timing
-from support import activate, evaluated, grid, make_object
+from support import TRANSFORMS, activate, evaluated, grid, make_object
 
 import planar_native
 

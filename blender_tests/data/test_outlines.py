@@ -5,9 +5,9 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from outlines import CURVES, MESHES, PLACED, RING, TRANSFORMS, chain, lines
-from sequences import go_to, key, same, shown_at, stored, timing, write
-from support import PLANES, activate, coordinates, evaluated, make_object
+from outlines import CURVES, MESHES, PLACED, RING, chain, lines
+from sequences import History, go_to, key, same, shown_at, stored, timing, write
+from support import PLANES, TRANSFORMS, activate, coordinates, evaluated, make_object
 
 
 @pytest.mark.parametrize("transform", TRANSFORMS)
@@ -101,31 +101,20 @@ def test_saved_and_loaded_again(keyed, tmp_path):
 
 @pytest.mark.parametrize("kind", ["edge soup", "3D curve"])
 def test_undo_and_redo(kind):
-    obj = lines(kind)
-    bpy.ops.ed.undo_push(message="Start")
-    states = [stored(obj)]
-
-    def did(result):
-        assert result == {"FINISHED"}
-        bpy.ops.ed.undo_push(message="Step")
-        states.append(stored(bpy.data.objects["Cutout"]))
-
-    did(bpy.ops.planar.key_pose())
+    lines(kind)
+    history = History()
+    history.did(bpy.ops.planar.key_pose())
     go_to(25)
-    did({"FINISHED"})
+    history.did({"FINISHED"})
     write(bpy.data.objects["Cutout"], 1)
-    did(bpy.ops.planar.key_pose())
+    history.did(bpy.ops.planar.key_pose())
     go_to(13)
-    did({"FINISHED"})
-    did(bpy.ops.planar.key_pose())
-    did(bpy.ops.planar.delete_pose(pose=0))
-    did(bpy.ops.planar.clear_poses())
-    for step in range(len(states) - 2, -1, -1):
-        assert bpy.ops.ed.undo() == {"FINISHED"}
-        assert stored(bpy.data.objects["Cutout"]) == states[step], f"undo to {step}"
-    for step in range(1, len(states)):
-        assert bpy.ops.ed.redo() == {"FINISHED"}
-        assert stored(bpy.data.objects["Cutout"]) == states[step], f"redo to {step}"
+    history.did({"FINISHED"})
+    history.did(bpy.ops.planar.key_pose())
+    history.did(bpy.ops.planar.delete_pose(pose=0))
+    history.did(bpy.ops.planar.clear_poses())
+    history.undo_all()
+    history.redo_all()
 
 
 def edit(obj, offset):

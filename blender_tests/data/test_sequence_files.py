@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from sequences import curve_of, go_to, key, same, shown_at, stored, write
+from sequences import History, curve_of, go_to, key, same, shown_at, stored, write
 from support import activate, add_end_pins, bar, coordinates, evaluated, pose
 
 
@@ -45,33 +45,22 @@ def test_appended(tmp_path):
 def test_undo_and_redo():
     obj = bar()
     add_end_pins(obj)
-    bpy.ops.ed.undo_push(message="Start")
-    states = [stored(obj)]
-
-    def did(result):
-        assert result == {"FINISHED"}
-        bpy.ops.ed.undo_push(message="Step")
-        states.append(stored(bpy.data.objects["Cutout"]))
-
-    did(bpy.ops.planar.key_pose())
+    history = History()
+    history.did(bpy.ops.planar.key_pose())
     bpy.context.scene.frame_set(25)
     # Blender itself loses an unkeyed value in a redo across a frame change.
-    did({"FINISHED"})
-    did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
-    did(bpy.ops.planar.key_pose())
-    did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
+    history.did({"FINISHED"})
+    history.did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
+    history.did(bpy.ops.planar.key_pose())
+    history.did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
     bpy.context.scene.frame_set(13)
-    did({"FINISHED"})
-    did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
-    did(bpy.ops.planar.key_pose())
-    did(bpy.ops.planar.delete_pose(pose=0))
-    did(bpy.ops.planar.clear_poses())
-    for step in range(len(states) - 2, -1, -1):
-        assert bpy.ops.ed.undo() == {"FINISHED"}
-        assert stored(bpy.data.objects["Cutout"]) == states[step], f"undo to {step}"
-    for step in range(1, len(states)):
-        assert bpy.ops.ed.redo() == {"FINISHED"}
-        assert stored(bpy.data.objects["Cutout"]) == states[step], f"redo to {step}"
+    history.did({"FINISHED"})
+    history.did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
+    history.did(bpy.ops.planar.key_pose())
+    history.did(bpy.ops.planar.delete_pose(pose=0))
+    history.did(bpy.ops.planar.clear_poses())
+    history.undo_all()
+    history.redo_all()
 
 
 @pytest.mark.parametrize("copied_actions", [True, False])

@@ -7,16 +7,7 @@ import bpy
 import numpy as np
 from cutouts import active, moved, pin_data, place, ready, selected, shape
 from harness import Window, addon
-
-LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
-
-
-def shown() -> np.ndarray:
-    """What Blender shows: the evaluated mesh's coordinates."""
-    evaluated = active().evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    coordinates = np.empty(len(evaluated.vertices) * 3, np.float32)
-    evaluated.vertices.foreach_get("co", coordinates)
-    return coordinates.reshape(-1, 3)
+from poses import LEFT, RIGHT, shown
 
 
 def keyed_frames() -> list[float]:
