@@ -13,8 +13,8 @@ from PIL import Image, ImageDraw
 import contact_sheet
 import planar_native
 from contact_sheet import FINE, PIN, View
-from planar_deform.scene import inbetweens
-from planar_deform.scene.shape import read_shape
+from planar_deform.scene.inbetweens import planning
+from planar_deform.scene.objects.any_object import read_shape
 
 SHARES = np.linspace(0.0, 1.0, 5)  # of the way, one a picture
 FINELY = np.linspace(0.0, 1.0, 61)  # where ways are sampled
@@ -42,7 +42,7 @@ def linear(before: np.ndarray, after: np.ndarray) -> Motion:
 
 def generated(obj: bpy.types.Object, poses: tuple[int, int]) -> tuple[Motion, Motion]:
     """Both between two of an object's keyed poses: blended, and what the add-on generates."""
-    way = inbetweens.way(read_shape(obj), poses, (0.0, 1.0))
+    way = planning.way(read_shape(obj), poses, (0.0, 1.0))
     motion = way.motion()
     return linear(*way.keys), Motion("In-between", motion.at(SHARES), motion.at(FINELY))
 

@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
 from contact_sheet import GAP, INK, PAPER, PIN, View, place_camera, silenced_blender
 from cutout import material
-from planar_deform.scene.pose_blocks import own_curve
+from planar_deform.scene.sequence.pose_blocks import own_curve
 
 FPS = 24
 SAMPLES = 4

@@ -153,7 +153,7 @@ def test_pins(window: Any) -> Iterator[None]:
 
 def test_poses(window: Any) -> Iterator[None]:
     yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 7.6)
-    pins = addon("ui.panel").PLANAR_PT_pins
+    pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
     bpy.utils.unregister_class(pins)  # room for the panels below
     try:
         bpy.ops.planar.jump_to_pose(pose=2)
@@ -165,7 +165,7 @@ def test_poses(window: Any) -> Iterator[None]:
 
 def test_inbetweens(window: Any) -> Iterator[None]:
     """The curve below the drawing."""
-    pins = addon("ui.panel").PLANAR_PT_pins
+    pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
     yield from opened(window, "Lantern Fox", WAVE + 13, (0.35, 2.0), 7.6)
     bpy.utils.unregister_class(pins)
     try:
@@ -190,7 +190,7 @@ def test_breakdown(window: Any) -> Iterator[None]:
 
 
 def test_quality(window: Any) -> Iterator[None]:
-    pins = addon("ui.panel").PLANAR_PT_pins
+    pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
     yield from opened(window, "River Dragon", REST, (0.75, 1.9), 8.2)
     yield from large_view(window)
     bpy.utils.unregister_class(pins)  # room for the panels below
@@ -238,7 +238,7 @@ def paint_arm(obj: Any) -> None:
 
 
 def test_record(window: Any) -> Iterator[None]:
-    pins = addon("ui.panel").PLANAR_PT_pins
+    pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
     yield from opened(window, "River Dragon", REST, (1.0, 1.6), 9.6)
     bpy.utils.unregister_class(pins)
     scene = bpy.context.scene

@@ -18,9 +18,11 @@ from collections.abc import Callable, Iterable, Sequence
 import bpy
 
 from . import native
-from .scene import bake, inbetweens, point_cache, sequence
-from .scene.errors import ObjectGone, Refusal
-from .scene.shape import read_shape
+from .errors import ObjectGone, Refusal
+from .scene.inbetweens import planning, writing
+from .scene.motion import bake, point_cache
+from .scene.objects.any_object import read_shape
+from .scene.sequence import sequence
 
 COMMAND = "planar"
 DONE, FAILED, USAGE = 0, 1, 2
@@ -112,9 +114,9 @@ def _work(name: str, options: argparse.Namespace) -> None:
         alone = options.object is None and len(obj.planar.poses) < 2  # nobody has asked for it by name
         if options.generate and not alone:
             scene = read_shape(obj)
-            plan = inbetweens.plan(scene)
+            plan = planning.plan(scene)
             shapes = plan.solve(_reporter(f"{name}: solving in-betweens"))
-            _follow(f"{name}: writing in-betweens", inbetweens.write(scene, plan, shapes))
+            _follow(f"{name}: writing in-betweens", writing.write(scene, plan, shapes))
         if options.bake is not None:
             _bake(obj, options)
     except (Refusal, ObjectGone, native.SolveError) as error:

@@ -9,15 +9,13 @@ from functools import partial
 import bpy
 
 from . import batch
-from .model import solver_cache
+from .model.posing import solver_cache
 from .operators import (
     bake,
     breakdown,
     click,
     drag,
     inbetweens,
-    interactive,
-    long_operator,
     motion,
     pins,
     pose_travel,
@@ -27,18 +25,13 @@ from .operators import (
     settle,
     stiffness,
 )
-from .scene import digests, follow, onion, properties, snapshot
-from .ui import (
-    bake_panel,
-    gizmos,
-    motion_panel,
-    onion_skin,
-    overlay,
-    panel,
-    poses_panel,
-    quality,
-    tool,
-)
+from .operators.modal import long_job, session
+from .scene import follow, properties
+from .scene.storage import digests
+from .scene.view import onion, snapshot
+from .ui.draw import mesh_edges, onion_skin, quality
+from .ui.panels import bake_panel, motion_panel, pins_panel, poses_panel
+from .ui.tool import gizmos, pose_tool
 
 # Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
 # unregister() where these are not all; those run with the classes in.
@@ -63,16 +56,16 @@ MODULES = (
     snapshot,
     onion,
     gizmos,
-    tool,
+    pose_tool,
     quality,
-    overlay,
+    mesh_edges,
     onion_skin,
-    panel,
+    pins_panel,
     poses_panel,
     motion_panel,
     bake_panel,
-    interactive,
-    long_operator,
+    session,
+    long_job,
     breakdown,
 )
 

@@ -21,8 +21,8 @@ def bent(positions, rest, amount):
 
 def put(obj, shapes):
     """Key n x 2 positions by frame; what each frame shows then."""
-    from planar_deform.scene import sequence
-    from planar_deform.scene.shape import begin_shape
+    from planar_deform.scene.objects.any_object import begin_shape
+    from planar_deform.scene.sequence import sequence
 
     activate(obj)
     sequence.put(begin_shape(bpy.context), shapes)
@@ -36,7 +36,7 @@ def shown(obj, frame):
 
 def bent_bar(frames=FRAMES, amounts=(0.6, -1.4, 2.4, 0.3, -0.8), obj=None, **options):
     """A bar with a pose bent by each amount at each frame, and what the frames show."""
-    from planar_deform.scene.shape import begin_shape
+    from planar_deform.scene.objects.any_object import begin_shape
 
     obj = bar(**options) if obj is None else obj
     activate(obj)
@@ -55,13 +55,13 @@ def remove(obj):
 
 
 def stale(obj):
-    from planar_deform.scene import inbetweens
+    from planar_deform.scene.sequence import stretches
 
-    return inbetweens.stale(obj)
+    return stretches.stale(obj)
 
 
 def curve_fields(obj):
-    from planar_deform.scene import pose_curve
+    from planar_deform.scene.sequence import pose_curve
 
     curve = curve_of(obj)
     modifiers = [(modifier.type, modifier.mute) for modifier in curve.modifiers]
@@ -70,7 +70,7 @@ def curve_fields(obj):
 
 def everything(obj):
     """All that is stored of the poses, their list, their settings and their curve, as plain values."""
-    from planar_deform.scene.playback import record_of
+    from planar_deform.scene.sequence.playback import record_of
 
     settings = obj.planar
     return [

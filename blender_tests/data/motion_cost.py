@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "addon"))
 from support import activate, grid, make_object
 
 import planar_deform
-from planar_deform.operators.long_operator import Job
+from planar_deform.operators.modal.long_job import Job
 
 
 def resident() -> float:
@@ -60,10 +60,10 @@ def measure(name, make, summary=lambda job, solved: ""):
     row = clock.look()
     solved = job.solve(lambda share: True)
     row += clock.look()
-    writing, steps = job.write(solved), []
+    running, steps = job.write(solved), []
     while True:
         start = time.perf_counter()
-        done = next(writing, None) is None
+        done = next(running, None) is None
         steps.append(1e3 * (time.perf_counter() - start))
         if done:
             break
@@ -78,8 +78,8 @@ def sheet(side: int) -> bpy.types.Object:
 
 
 def key(obj, turns: dict[float, float]) -> None:
-    from planar_deform.scene import sequence
-    from planar_deform.scene.shape import begin_shape
+    from planar_deform.scene.objects.any_object import begin_shape
+    from planar_deform.scene.sequence import sequence
 
     activate(obj)
     scene = begin_shape(bpy.context)
@@ -91,11 +91,11 @@ def main() -> None:
     last, side = (int(text) for text in (*sys.argv[1:], "1000", "70")[:2])
     planar_deform.register()
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    from planar_deform.scene import inbetweens
-    from planar_deform.scene.sequence_edit import SequenceEdit
-    from planar_deform.scene.shape import begin_shape
-    from planar_deform.scene.thinning import Thinning
-    from planar_deform.scene.transfer import Transfer
+    from planar_deform.scene.inbetweens import planning, writing
+    from planar_deform.scene.motion.sequence_edit import SequenceEdit
+    from planar_deform.scene.motion.thinning import Thinning
+    from planar_deform.scene.motion.transfer import Transfer
+    from planar_deform.scene.objects.any_object import begin_shape
 
     obj = sheet(side)
     key(obj, {1: 0.3, last // 3: 1.6, 2 * last // 3: -1.2, last: 0.8})
@@ -104,9 +104,9 @@ def main() -> None:
     print(f"{'':22}{phases}{'longest':>10}{'before':>9}{'after':>9}")
 
     scene = begin_shape(bpy.context)
-    plan = inbetweens.plan(scene)
+    plan = planning.plan(scene)
     measure(
-        "Generate In-Betweens", lambda: Job(lambda shapes: inbetweens.write(scene, plan, shapes), plan.solve)
+        "Generate In-Betweens", lambda: Job(lambda shapes: writing.write(scene, plan, shapes), plan.solve)
     )
     for compress in (False, True):
         with tempfile.TemporaryDirectory() as folder:

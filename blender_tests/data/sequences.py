@@ -12,7 +12,7 @@ def go_to(frame):
 
 def write(obj, seed):
     """A pose of the shown shape with its own bits, and small enough to keep the mesh whole; what it shows."""
-    from planar_deform.scene.shape import begin_shape
+    from planar_deform.scene.objects.any_object import begin_shape
 
     activate(obj)
     scene = begin_shape(bpy.context)
@@ -61,7 +61,7 @@ def same(a, b):
 
 
 def curve_of(obj):
-    from planar_deform.scene import compat
+    from planar_deform import compat
 
     return compat.curves_of(obj.data.shape_keys.animation_data).find("eval_time")
 

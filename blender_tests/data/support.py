@@ -75,10 +75,10 @@ def evaluated(obj):
 
 def add_pins(obj, *groups, kind="POINT"):
     """A pin on each of these lists of vertices; the last one is selected."""
-    from planar_deform.scene import pins
+    from planar_deform.scene.pins import pin_list
 
     for rows in groups:
-        pins.add_on_vertices(obj, [int(row) for row in rows], kind)
+        pin_list.add_on_vertices(obj, [int(row) for row in rows], kind)
     for index, pin in enumerate(obj.planar.pins):
         pin.select = index == len(obj.planar.pins) - 1
 
@@ -90,10 +90,10 @@ def add_end_pins(obj, nx=12, count=65, kind="POINT"):
 
 def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
     """One action of the selected pins (or those told) through the model, as the operators do it."""
-    from planar_deform.model import solver_cache
-    from planar_deform.model.posing import PoseAction
-    from planar_deform.scene import pins
-    from planar_deform.scene.access import begin
+    from planar_deform.model.posing import solver_cache
+    from planar_deform.model.posing.pose_action import PoseAction
+    from planar_deform.scene.objects.cutout_object import begin
+    from planar_deform.scene.pins import pin_list
 
     activate(obj)
     scene = begin(bpy.context)
@@ -101,17 +101,17 @@ def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
     make_poser = partial(
         solver_cache.poser_for, scene.session_uid, scene.cutout, obj.planar.method.lower(), scene.positions
     )
-    action = PoseAction(scene.cutout, scene.positions, pins.model_pins(obj, scene), moving, make_poser)
+    action = PoseAction(scene.cutout, scene.positions, pin_list.model_pins(obj, scene), moving, make_poser)
     for step in range(1, 9):
         action.move(offset[0] * step / 8, offset[1] * step / 8, angle * step / 8)
     scene.write(action.settle())
-    pins.store_results(obj, scene, action.results())
+    pin_list.store_results(obj, scene, action.results())
     return scene, action
 
 
 def measured(obj):
     """The distortion that the panel shows for an object."""
-    from planar_deform.scene import snapshot
+    from planar_deform.scene.view import snapshot
 
     activate(obj)
     snapshot.forget()  # Blender tells of changes later than a test asks

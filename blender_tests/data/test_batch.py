@@ -173,9 +173,9 @@ def test_wrong_usage_is_exit_code_2(shot, capsys, arguments):
 
 
 def test_an_error_of_our_own_is_exit_code_1_with_its_traceback(shot, capsys, monkeypatch):
-    from planar_deform.scene import inbetweens
+    from planar_deform.scene.inbetweens import planning
 
-    monkeypatch.delattr(inbetweens, "plan")
+    monkeypatch.delattr(planning, "plan")
     code, _, errors = run(capsys, "--generate", "--save")
     assert code == 1
     assert "Traceback" in errors[0]

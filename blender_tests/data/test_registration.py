@@ -43,14 +43,14 @@ def test_unregistering_leaves_nothing_and_registering_again_works():
 @pytest.mark.usefixtures("_registered_again")
 def test_an_error_while_registering_undoes_the_rest_and_is_passed_on(monkeypatch):
     import planar_deform
-    from planar_deform.ui import tool
+    from planar_deform.ui.tool import pose_tool
 
     planar_deform.unregister()
 
     def fail():
         raise RuntimeError("no room")
 
-    monkeypatch.setattr(tool, "register", fail)
+    monkeypatch.setattr(pose_tool, "register", fail)
     with pytest.raises(RuntimeError, match="no room"):
         planar_deform.register()
     assert registered() == (set(), [])

@@ -34,9 +34,9 @@ class Watch:
         self._asked: dict[tuple[float, ...], float] = {}
         self._undo: list[tuple[object, str, Callable]] = []
         self._wrap(addon("operators.drag").PinTransform, "invoke", self._timed)
-        self._wrap(addon("operators.interactive").Interactive, "modal", self._timed)
-        self._wrap(addon("model.solving").Solving, "ask", self._asking)
-        self._wrap(addon("operators.action").SceneAction, "show", self._showing)
+        self._wrap(addon("operators.modal.session").Interactive, "modal", self._timed)
+        self._wrap(addon("model.posing.solving").Solving, "ask", self._asking)
+        self._wrap(addon("operators.modal.pose_drag").SceneAction, "show", self._showing)
 
     def _wrap(self, owner: object, name: str, wrapper: Callable) -> None:
         original = getattr(owner, name)

@@ -35,7 +35,7 @@ def go_to(frame: int) -> Iterator[None]:
 
 def timing() -> list[tuple]:
     """Frame, value, type and easing of each key of the poses' curve."""
-    curve = addon("scene.pose_blocks").shown_curve(active().data.shape_keys)
+    curve = addon("scene.sequence.pose_blocks").shown_curve(active().data.shape_keys)
     return [(*point.co, point.type, point.interpolation) for point in curve.keyframe_points]
 
 

@@ -28,9 +28,9 @@ def motion(window: Window, *, cells: int = 50, last: int = LAST) -> Iterator[Non
     """A sheet that bends to one side and to the other, keyed at three frames, in an undo step of its own."""
     sheet(columns=cells, rows=cells, cell=4.0 / cells)
     for frame, turn in ((1, 0.3), ((1 + last) // 2, 1.6), (last, -1.6)):
-        scene = addon("scene.access").begin(bpy.context)
+        scene = addon("scene.objects.cutout_object").begin(bpy.context)
         rest = scene.cutout.rest
-        addon("scene.sequence").put(scene, {frame: bent(rest - rest.mean(axis=0), turn)})
+        addon("scene.sequence.sequence").put(scene, {frame: bent(rest - rest.mean(axis=0), turn)})
     bpy.context.scene.frame_set(1)
     bpy.context.scene.frame_end = last
     bpy.ops.ed.undo_push(message="Test Scene")
@@ -47,7 +47,7 @@ def start(window: Window) -> Iterator[None]:
 
 def run():
     """What is under way."""
-    return addon("operators.long_operator")._running
+    return addon("operators.modal.long_job")._running
 
 
 def until(window: Window, met: Callable[[], bool], seconds: float = 120.0) -> Iterator[None]:
@@ -110,8 +110,8 @@ def test_a_short_job_is_done_at_once(window: Window) -> Iterator[None]:
 def test_a_long_job_is_done_in_many_looks(window: Window) -> Iterator[None]:
     """How long one keeps the window waiting is printed: the first may take a tenth of a second."""
     yield from motion(window)
-    long_operator = addon("operators.long_operator")
-    advance, waits = long_operator.LongRun.advance, []
+    long_job = addon("operators.modal.long_job")
+    advance, waits = long_job.LongRun.advance, []
 
     def timed(self, wait, write):
         start = time.perf_counter()
@@ -120,12 +120,12 @@ def test_a_long_job_is_done_in_many_looks(window: Window) -> Iterator[None]:
         finally:
             waits.append(time.perf_counter() - start)
 
-    long_operator.LongRun.advance = timed
+    long_job.LongRun.advance = timed
     try:
         yield from start(window)
         yield from until(window, lambda: window.busy == [])
     finally:
-        long_operator.LongRun.advance = advance
+        long_job.LongRun.advance = advance
     assert len(waits) > 10
     print(f"     {len(waits)} looks, the longest {1e3 * max(waits):.0f} ms", flush=True)
 

@@ -98,7 +98,7 @@ def story(window: Window, kind: str) -> Iterator[None]:
     window.picture(f"outlines_{kind.lower()}")
     bpy.context.scene.frame_set(25)
     yield from pose(window, "GX 1")
-    assert addon("scene.inbetweens").stale(active()) == [(0, 1)]
+    assert addon("scene.sequence.stretches").stale(active()) == [(0, 1)]
     yield from window.hover(window.pixel((0.0, 0.0, 0.0)))
     yield from window.key("TAB")
     yield from window.wait(0.5)

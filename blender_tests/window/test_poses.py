@@ -22,7 +22,7 @@ def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Windo
     bpy.context.scene.frame_end = 49
     window.area.spaces.active.show_region_ui = False
     yield from window.wait(0.3)
-    snapshot, reads = addon("scene.snapshot"), []
+    snapshot, reads = addon("scene.view.snapshot"), []
     read = snapshot._read
     snapshot._read = lambda obj: reads.append(bpy.context.scene.frame_current) or read(obj)
     try:
@@ -56,7 +56,7 @@ def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) ->
     yield from pull(window, 0.0, 0.7)
     edited = shown()
     assert moved(edited, poses[25]) > 0.3
-    assert not addon("scene.sequence").unkeyed(active())
+    assert not addon("scene.sequence.sequence").unkeyed(active())
     yield from window.undo()
     assert np.array_equal(shown(), poses[25])
     yield from window.redo()
@@ -67,7 +67,7 @@ def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) ->
 
 
 def test_a_drag_elsewhere_is_unkeyed_undone_redone_and_lost_with_the_frame(window: Window) -> Iterator[None]:
-    sequence = addon("scene.sequence")
+    sequence = addon("scene.sequence.sequence")
     yield from three_poses(window)
     between = at(13)
     bpy.ops.ed.undo_push(message="Frame")

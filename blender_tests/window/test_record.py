@@ -11,7 +11,7 @@ from poses import LEFT, RIGHT, shown
 
 
 def keyed_frames() -> list[float]:
-    sequence = addon("scene.sequence")
+    sequence = addon("scene.sequence.sequence")
     return sorted(
         frame for pose in range(len(active().planar.poses)) for frame in sequence.frames_of(active(), pose)
     )

@@ -29,7 +29,7 @@ def last() -> bpy.types.Operator:
 
 
 def session():
-    return addon("operators.interactive").running()
+    return addon("operators.modal.session").running()
 
 
 def flick(window: Window, index: int, dx: float, dz: float, *, steps: int = 2) -> Iterator[None]:
@@ -56,7 +56,7 @@ def settling(window: Window) -> Iterator[None]:
 @contextlib.contextmanager
 def slowly(seconds: float = 0.5) -> Iterator[None]:
     """Let refinements take so long, and be at least three, so that there is something to see anywhere."""
-    action = addon("model.posing").PoseAction
+    action = addon("model.posing.pose_action").PoseAction
     move, settled = action.move, action.settled
 
     def slow_move(self, *sample):
@@ -94,7 +94,7 @@ def test_the_drawing_settles_after_the_release_without_a_jump(window: Window) ->
 
 def test_a_release_does_not_hold_the_window_up(window: Window) -> Iterator[None]:
     yield from large(window, 100)
-    interactive = addon("operators.interactive").Interactive
+    interactive = addon("operators.modal.session").Interactive
     times = []
     original = interactive.modal
 
@@ -273,5 +273,5 @@ def test_method_and_pins_switched_between_drags(window: Window) -> Iterator[None
     yield from window.drag(window.pixel(place(1)), window.pixel(RIGHT))
     active().planar.pins[2].enabled = False
     bpy.ops.planar.settle_pose("EXEC_DEFAULT", True)
-    rest = addon("scene.access").read_cutout(active())
+    rest = addon("scene.objects.cutout_object").read_cutout(active())
     assert np.abs(rest.positions - rest.cutout.rest).max() < 0.05, "back home, so is the drawing"

@@ -126,7 +126,7 @@ class Story:
 
 def flipped() -> int:
     """Flipped triangles of what is shown, judged on the float32 coordinates that Blender stores."""
-    scene = addon("scene.access").read_cutout(active())
+    scene = addon("scene.objects.cutout_object").read_cutout(active())
     return addon("native").distortion(scene.cutout.rest, scene.positions, scene.cutout.triangles).flipped
 
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
-from ..scene import bake, compat, point_cache
-from .long_operator import Job, LongOperator
+from .. import compat
+from ..scene.motion import bake, point_cache
+from .modal.long_job import Job, LongOperator
 
 FORMS = (
     (

@@ -11,12 +11,14 @@ from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, FloatProperty
 
 from .. import native
-from ..model.breakdown import FURTHEST, OVERSHOOT, WIDTH, Slider, limited
-from ..scene import breakdown, modifiers, snapshot
-from ..scene.access import ObjectGone, Refusal
-from ..scene.breakdown import Way
-from .interactive import PASSED_ON, put_away, put_up
+from ..errors import ObjectGone, Refusal
+from ..model.input.breakdown import FURTHEST, OVERSHOOT, WIDTH, Slider, limited
+from ..scene.inbetweens import breakdown
+from ..scene.inbetweens.breakdown import Way
+from ..scene.objects import modifiers
+from ..scene.view import snapshot
 from .keying import key_shown
+from .modal.session import PASSED_ON, put_away, put_up
 from .poses import PoseListOperator
 
 KEYS = (

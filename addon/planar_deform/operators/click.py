@@ -7,10 +7,11 @@ import bpy
 from bpy.props import BoolProperty
 from mathutils import Vector
 
-from ..model.frame import Array
-from ..scene import snapshot
-from ..scene.access import Refusal, begin
-from ..scene.view import on_ring, pin_under, ray, ring_about
+from ..errors import Refusal
+from ..model.plane.frame import Array
+from ..scene.objects.cutout_object import begin
+from ..scene.view import snapshot
+from ..scene.view.mouse import on_ring, pin_under, ray, ring_about
 
 
 class PLANAR_OT_click(bpy.types.Operator):

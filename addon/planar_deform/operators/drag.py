@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
-from ..model.drag import Mode
-from ..model.posing import Sample, Solved, carried_path
-from ..scene.access import Refusal
-from .action import SceneAction
-from .interactive import PASSED_ON, Interactive, Session
-from .plane_mouse import PlaneMouse
+from ..errors import Refusal
+from ..model.input.drag import Mode
+from ..model.posing.pose_action import Sample, Solved, carried_path
+from .modal.plane_mouse import PlaneMouse
+from .modal.pose_drag import SceneAction
+from .modal.session import PASSED_ON, Interactive, Session
 
 CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}

@@ -8,11 +8,12 @@ from functools import partial
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from ..scene import inbetweens
-from ..scene.flat_object import settle
+from ..scene.inbetweens import planning, writing
+from ..scene.objects.any_object import begin_shape
+from ..scene.objects.flat_object import settle
 from ..scene.properties import PATHS
-from ..scene.shape import begin_shape
-from .long_operator import Job, LongOperator
+from ..scene.sequence import stretches
+from .modal.long_job import Job, LongOperator
 from .posing_operator import ShapeOperator
 
 ONCE = {"SKIP_SAVE"}  # what is not told is the object's own, not that of the last use
@@ -38,7 +39,7 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context):
-        return inbetweens.refusal(context.object)
+        return planning.refusal(context.object)
 
     def job(self, context):
         settings = context.object.planar
@@ -47,8 +48,8 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
         if not self.properties.is_property_set("smooth"):
             self.smooth = settings.smooth
         scene = begin_shape(context)
-        plan = inbetweens.plan(scene, path=self.path, smooth=self.smooth)
-        return Job(partial(inbetweens.write, scene, plan), plan.solve)
+        plan = planning.plan(scene, path=self.path, smooth=self.smooth)
+        return Job(partial(writing.write, scene, plan), plan.solve)
 
 
 class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
@@ -59,13 +60,13 @@ class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
     @classmethod
     def refusal(cls, context):
         reason = super().refusal(context)
-        if reason is None and not inbetweens.has_inbetweens(context.object):
+        if reason is None and not stretches.has_inbetweens(context.object):
             return "There are no in-betweens: use Generate In-Betweens first"
         return reason
 
     def apply(self, context):
         settle(context)
-        inbetweens.remove(context.object)
+        writing.remove(context.object)
 
 
 CLASSES = (PLANAR_OT_generate_inbetweens, PLANAR_OT_remove_inbetweens)

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..scene import pose_blocks, sequence
-from ..scene.shape import begin_shape
+from ..scene.objects.any_object import begin_shape
+from ..scene.sequence import pose_blocks, sequence
 
 
 def key_shown(context: bpy.types.Context, *, kind: str | None = None) -> None:

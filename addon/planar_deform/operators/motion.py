@@ -6,11 +6,11 @@ from __future__ import annotations
 import bpy
 from bpy.props import BoolProperty, FloatProperty
 
-from ..scene import sequence
-from ..scene.sequence_edit import SequenceEdit, edit_refusal
-from ..scene.thinning import Thinning, thin_refusal
-from ..scene.transfer import Transfer, transfer_refusal
-from .long_operator import Job, LongOperator
+from ..scene.motion.sequence_edit import SequenceEdit, edit_refusal
+from ..scene.motion.thinning import Thinning, thin_refusal
+from ..scene.motion.transfer import Transfer, transfer_refusal
+from ..scene.sequence import sequence
+from .modal.long_job import Job, LongOperator
 
 
 class MotionOperator(LongOperator):

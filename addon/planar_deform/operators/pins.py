@@ -7,8 +7,9 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
 
-from ..scene import pins
-from ..scene.access import Refusal, begin, pose_refusal
+from ..errors import Refusal
+from ..scene.objects.cutout_object import begin, pose_refusal
+from ..scene.pins import pin_list
 from ..scene.properties import KINDS
 from .posing_operator import PosingOperator, Refusing
 
@@ -21,7 +22,7 @@ class PinOperator(PosingOperator):
 
     def apply(self, context):
         scene = begin(context)
-        pins.sync(context.object)
+        pin_list.sync(context.object)
         self.change(context.object, scene)
 
 
@@ -41,7 +42,7 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
         point = scene.nearest(np.array(self.location, dtype=np.float64), ON_MESH * scene.cutout.diagonal)
         if point is None:
             raise Refusal("No mesh there: add the pin at a point of the drawing")
-        pin = pins.add_at(obj, scene, point)
+        pin = pin_list.add_at(obj, scene, point)
         if not self.extend:
             _select(obj, [])
         pin.select = True
@@ -65,7 +66,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
         new = [on_faces] if self.kind == "PATCH" else [[vertex] for vertex in on_faces]
         first = len(obj.planar.pins)
         for vertices in new:
-            pins.add_on_vertices(obj, vertices, self.kind)
+            pin_list.add_on_vertices(obj, vertices, self.kind)
         _select(obj, range(first, len(obj.planar.pins)))
 
 
@@ -84,7 +85,7 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
             raise Refusal(f"{wanted}: make one in the Vertex Groups panel")
         if any(pin.group == group.name for pin in obj.planar.pins):
             raise Refusal(f"Vertex group '{group.name}' has a pin already: choose another group")
-        pins.add_on_group(obj, group, self.kind)
+        pin_list.add_on_group(obj, group, self.kind)
         _select(obj, [len(obj.planar.pins) - 1])
 
 
@@ -102,7 +103,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
             raise Refusal("Every vertex group has a pin already: add groups in the Vertex Groups panel first")
         first = len(obj.planar.pins)
         for group in new:
-            pins.add_on_group(obj, group, self.kind)
+            pin_list.add_on_group(obj, group, self.kind)
         _select(obj, range(first, len(obj.planar.pins)))
 
 
@@ -134,7 +135,7 @@ class PLANAR_OT_remove_pins(bpy.types.Operator):
         if not selected:
             self.report({"WARNING"}, "No pins are selected: click one first")
             return {"CANCELLED"}
-        pins.remove(obj, selected)
+        pin_list.remove(obj, selected)
         return {"FINISHED"}
 
 

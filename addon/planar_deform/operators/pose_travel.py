@@ -9,15 +9,16 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty
 
 from .. import native
-from ..model import solver_cache, solving
-from ..model.pin_reset import PinReset
-from ..model.pins import Holder
-from ..model.pose_copy import CopiedPose, copied, pasted
-from ..model.posing import PinResult
-from ..model.symmetry import NotSymmetricError, find_symmetry, partner_pins
-from ..scene import pins
-from ..scene.access import Refusal, begin
-from ..scene.connectivity import connectivity_of
+from ..errors import Refusal
+from ..model.posing import solver_cache, solving
+from ..model.posing.pin_reset import PinReset
+from ..model.posing.pins import Holder
+from ..model.posing.pose_action import PinResult
+from ..model.posing.pose_copy import CopiedPose, copied, pasted
+from ..model.posing.symmetry import NotSymmetricError, find_symmetry, partner_pins
+from ..scene.objects.connectivity import connectivity_of
+from ..scene.objects.cutout_object import begin
+from ..scene.pins import pin_list
 from .keying import auto_key
 from .posing_operator import PosingOperator
 
@@ -102,8 +103,8 @@ class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
     def apply(self, context):
         solving.halt()
         obj, scene = context.object, begin(context)
-        pins.sync(obj)
-        usable = pins.model_pins(obj, scene)
+        pin_list.sync(obj)
+        usable = pin_list.model_pins(obj, scene)
         moving = {pin.key for pin in usable if pin.enabled and obj.planar.pins[pin.key].select}
         if not moving:
             raise Refusal("No pins that hold the drawing are selected: click one first")
@@ -119,13 +120,14 @@ class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
 
 def _named(obj, scene):
     """The object's usable pins by name, bound to its cutout."""
-    pins.sync(obj)
-    return [(obj.planar.pins[pin.key].name, Holder(pin, scene.cutout)) for pin in pins.model_pins(obj, scene)]
+    pin_list.sync(obj)
+    usable = pin_list.model_pins(obj, scene)
+    return [(obj.planar.pins[pin.key].name, Holder(pin, scene.cutout)) for pin in usable]
 
 
 def _show(context, scene, positions, results):
     scene.write(positions)
-    pins.store_results(context.object, scene, results)
+    pin_list.store_results(context.object, scene, results)
     auto_key(context)
 
 

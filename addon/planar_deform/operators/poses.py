@@ -6,10 +6,11 @@ from __future__ import annotations
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
-from ..scene import modifiers, pose_list, sequence
-from ..scene.access import Refusal
-from ..scene.flat_object import settle
-from ..scene.shape import begin_shape
+from ..errors import Refusal
+from ..scene.objects import modifiers
+from ..scene.objects.any_object import begin_shape
+from ..scene.objects.flat_object import settle
+from ..scene.sequence import pose_list, sequence
 from .keying import key_shown
 from .posing_operator import ShapeOperator
 

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from ..scene import modifiers
-from ..scene.access import Refusal, pose_refusal
-from ..scene.shape import shape_refusal
+from ..errors import Refusal
+from ..scene.objects import modifiers
+from ..scene.objects.any_object import shape_refusal
+from ..scene.objects.cutout_object import pose_refusal
 
 
 class Refusing:

@@ -9,15 +9,18 @@ import time
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from ..model.posing import Sample, Solved
-from ..model.recording import Poses, Recording, smoothed
-from ..scene import pins, sequence, snapshot
-from ..scene.access import Refusal, begin
-from ..scene.view import pin_under, regions
-from .action import SceneAction
+from ..errors import Refusal
+from ..model.input.recording import Poses, Recording, smoothed
+from ..model.posing.pose_action import Sample, Solved
+from ..scene.objects.cutout_object import begin
+from ..scene.pins import pin_list
+from ..scene.sequence import sequence
+from ..scene.view import snapshot
+from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, pack_path, unpack_path
-from .interactive import PASSED_ON, Interactive, Session, put_away, put_up
-from .plane_mouse import PlaneMouse
+from .modal.plane_mouse import PlaneMouse
+from .modal.pose_drag import SceneAction
+from .modal.session import PASSED_ON, Interactive, Session, put_away, put_up
 from .posing_operator import Refusing
 
 WAITING = "Drag a Pin, or Anywhere for the Selected Pins: Record   Esc or RMB: Cancel"
@@ -198,7 +201,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
         sequence.put(action.scene, by_frame, throughout=True)
         solved = poses.last
-        pins.store_results(context.object, begin(context), solved.results)
+        pin_list.store_results(context.object, begin(context), solved.results)
 
     def stop(self):
         result = super().stop()

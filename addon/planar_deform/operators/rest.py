@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..scene import pins
-from ..scene import rest as rest_store
-from ..scene.access import begin
+from ..scene.objects import rest_shape
+from ..scene.objects.cutout_object import begin
+from ..scene.pins import pin_list
 from .posing_operator import PosingOperator
 
 
@@ -20,8 +20,8 @@ class PLANAR_OT_set_rest_to_current(PosingOperator, bpy.types.Operator):
     )
 
     def apply(self, context):
-        rest_store.set_to_current(context.object)
-        pins.forget_targets(context.object)
+        rest_shape.set_to_current(context.object)
+        pin_list.forget_targets(context.object)
 
 
 class PLANAR_OT_reset_to_rest(PosingOperator, bpy.types.Operator):
@@ -33,7 +33,7 @@ class PLANAR_OT_reset_to_rest(PosingOperator, bpy.types.Operator):
 
     def apply(self, context):
         begin(context).write_rest()
-        pins.forget_targets(context.object)
+        pin_list.forget_targets(context.object)
 
 
 CLASSES = (PLANAR_OT_set_rest_to_current, PLANAR_OT_reset_to_rest)

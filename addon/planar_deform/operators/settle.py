@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import bpy
 
-from ..model.posing import Sample, Solved
-from ..scene.access import Refusal
-from .action import SceneAction
-from .interactive import Interactive, Session
+from ..errors import Refusal
+from ..model.posing.pose_action import Sample, Solved
+from .modal.pose_drag import SceneAction
+from .modal.session import Interactive, Session
 from .posing_operator import PosingOperator
 
 STILL: Sample = (0.0, 0.0, 0.0)

@@ -13,13 +13,15 @@ from functools import partial
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import native
-from ..model import solver_cache
-from ..model.cutout import NEUTRAL
-from ..model.posing import PoseAction, Solved
-from ..model.solving import Solving, StoppedError
-from ..scene import compat, pins, stiffness
-from ..scene.access import ObjectGone, Refusal, begin, read_cutout
+from .. import compat, native
+from ..errors import ObjectGone, Refusal
+from ..model.plane.cutout import NEUTRAL
+from ..model.posing import solver_cache
+from ..model.posing.pose_action import PoseAction, Solved
+from ..model.posing.solving import Solving, StoppedError
+from ..scene.objects import stiffness
+from ..scene.objects.cutout_object import begin, read_cutout
+from ..scene.pins import pin_list
 from .posing_operator import PosingOperator
 
 SOON = 0.05  # seconds from a change to a look at it, and between looks while a stroke is on
@@ -40,9 +42,9 @@ class PLANAR_OT_paint_stiffness(PosingOperator, bpy.types.Operator):
         if not obj.visible_get():
             raise Refusal(f"'{obj.name}' is hidden: show it to paint on it")
         begin(context)  # a mesh that cannot be posed needs no stiffness
-        pins.sync(obj)
+        pin_list.sync(obj)
         group = stiffness.ensure_group(obj)
-        pins.sync(obj)
+        pin_list.sync(obj)
         obj.vertex_groups.active_index = group.index
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         brush = compat.brush_weight_owner(context.tool_settings)
@@ -56,7 +58,7 @@ class _Settling:
     def __init__(self, obj: bpy.types.Object):
         self.scene = read_cutout(obj, mode=obj.mode)
         settings, positions = obj.planar, self.scene.positions
-        used = pins.model_pins(obj, self.scene)
+        used = pin_list.model_pins(obj, self.scene)
         if settings.method != "HOLD" or not any(pin.enabled for pin in used):
             raise Refusal("Stiffness is felt when pins are moved")
         make_poser = partial(
@@ -75,7 +77,7 @@ class _Settling:
             self.scene.write(solved.positions)
             self._solved = solved
         if self._solving.settled and self._solved is not None:
-            pins.store_results(obj, self.scene, self._solved.results)
+            pin_list.store_results(obj, self.scene, self._solved.results)
             return True
         return False
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from ..model import solver_cache
-from . import sequence
-from .pins import sync
+from ..model.posing import solver_cache
+from .pins.pin_list import sync
+from .sequence import sequence
 
 CLASSES = ()
 

@@ -17,10 +17,10 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import pose_list, sequence
-from .errors import Refusal
-from .pose_blocks import FIRST
-from .shape import shape_refusal
+from ..errors import Refusal
+from .objects.any_object import shape_refusal
+from .sequence import pose_list, sequence
+from .sequence.pose_blocks import FIRST
 
 KINDS = (
     ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
@@ -91,7 +91,7 @@ class PlanarPose(bpy.types.PropertyGroup):
     """A keyed pose of the object's sequence."""
 
     name: StringProperty(name="Name", description="Name of the pose and its shape key", update=_rename_block)
-    at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see scene/sequence.py
+    at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see sequence/sequence.py
     frame: FloatProperty(
         name="Frame",
         description="Frame at which the pose is shown: the first of its keys on the curve",
@@ -101,7 +101,7 @@ class PlanarPose(bpy.types.PropertyGroup):
         step=100,
         precision=0,
     )
-    # Of the way to the next pose, see scene/inbetweens.py.
+    # Of the way to the next pose, see inbetweens/planning.py.
     generated: IntProperty(options={"HIDDEN"})  # places of generated shapes
     stamp: StringProperty(options={"HIDDEN"})  # what they were made from
     edited: BoolProperty(options={"HIDDEN"})  # whether they have been changed since
@@ -195,7 +195,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
     )
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
-    # The curve's values before in-betweens were generated, see model/played_curve.py.
+    # The curve's values before in-betweens were generated, see model/timing/played_curve.py.
     curve_before: StringProperty(options={"HIDDEN"})
 
 

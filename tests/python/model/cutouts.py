@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from planar_deform.model.cutout import Cutout, make_cutout
-from planar_deform.model.pins import Pin
+from planar_deform.model.plane.cutout import Cutout, make_cutout
+from planar_deform.model.posing.pins import Pin
 
 
 def grid_cutout(nx: int, ny: int) -> Cutout:

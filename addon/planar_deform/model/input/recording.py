@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the samples of a drag under a running timeline to the way that is solved, frame by frame.
+
+What was shown meanwhile depends on how fast the machine was. So it is not kept: the pins' way is, at each
+frame, and is solved again once it is known, which also is what smoothing needs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..plane.frame import Array
+from ..posing.pose_action import Sample, Solved
+
+# Refinements of each pose that is kept. A frame's move is short, so that few are needed.
+REFINEMENTS = 3
+
+
+class Recording:
+    """The samples of a drag by time, counted in frames since its start."""
+
+    def __init__(self) -> None:
+        self._times, self._samples = [0.0], [(0.0, 0.0, 0.0)]
+
+    def add(self, time: float, sample: Sample) -> None:
+        """The pins are at this sample from now on; times only grow."""
+        self._times.append(time)
+        self._samples.append(sample)
+
+    def by_frame(self, last: int) -> list[Sample]:
+        """A sample for each frame from 0 to `last`, between those there are in proportion to time."""
+        frames = np.arange(last + 1.0)
+        columns = np.array(self._samples).T
+        return _rows(np.stack([np.interp(frames, self._times, column) for column in columns], axis=1))
+
+
+def smoothed(path: list[Sample], frames: float) -> list[Sample]:
+    """The path without what is quicker than some `frames`: a Gaussian of that standard deviation.
+
+    Its ends stay: beyond each the path goes on as it came, turned about the end by half a turn.
+    """
+    values = np.array(path)
+    reach = min(int(np.ceil(3.0 * frames)), len(path) - 1)
+    if reach < 1:
+        return list(path)
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / frames) ** 2)
+    before = 2.0 * values[0] - values[reach:0:-1]
+    after = 2.0 * values[-1] - values[-2 : -reach - 2 : -1]
+    long = np.concatenate([before, values, after])
+    columns = [np.convolve(column, kernel / kernel.sum(), mode="valid") for column in long.T]
+    return _rows(np.stack(columns, axis=1))
+
+
+class Poses:
+    """The poses that are kept of a path with a sample for each frame: the last, and every `frame_step`th."""
+
+    def __init__(self, path: list[Sample], frame_step: int):
+        self.samples: list[Sample] = []  # to be solved; those of kept poses are repeated, to refine them
+        self.by_frame: dict[int, Array] = {}  # n x 2 positions, filled in by `seen`
+        self.last: Solved | None = None
+        self._ends: dict[int, int] = {}  # a number of samples -> the frame whose pose they lead to
+        for frame, sample in enumerate(path):
+            self.samples.append(sample)
+            if frame % frame_step == 0 or frame == len(path) - 1:
+                self.samples += [sample] * REFINEMENTS
+                self._ends[len(self.samples)] = frame
+
+    def seen(self, solved: Solved) -> None:
+        """All that is solved of the samples goes through here, in order; from whatever thread."""
+        frame = self._ends.get(len(solved.path))
+        if frame is not None:
+            self.by_frame[frame] = solved.positions
+            self.last = solved
+
+    @property
+    def share(self) -> float:
+        """How much of it is solved, from 0 to 1."""
+        return len(self.by_frame) / len(self._ends)
+
+
+def _rows(values: Array) -> list[Sample]:
+    """Samples as an action takes them: rounded to float32."""
+    return [(float(du), float(dv), float(angle)) for du, dv, angle in values.astype(np.float32)]

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins on a cutout: where they hold it, and the handles the solver gets."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..plane.cutout import Cutout
+from ..plane.frame import Array, Indices
+from ..plane.locate import MeshPoint, at, nearest_point
+
+Kind = Literal["POINT", "PATCH"]
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One pin with a usable vertex group."""
+
+    key: int  # its index in the object's pin list
+    kind: Kind
+    vertices: Indices  # cutout vertices of the group whose weight is not 0
+    weights: Array  # their weights in the group, all positive
+    enabled: bool = True
+    weight: float = 1.0  # how strongly the pin holds, relative to what the method does by itself
+    angle: float = 0.0  # radians a patch is turned from rest
+    target: Array | None = None  # (2,) where the pin was asked to be, None: wherever it is
+
+
+class Holder:
+    """A pin bound to a cutout: the mesh points by which it holds it."""
+
+    def __init__(self, pin: Pin, cutout: Cutout):
+        self.pin = pin
+        self._triangles = cutout.triangles
+        self.shares = pin.weights / pin.weights.sum()
+        self.part = int(cutout.parts[pin.vertices[0]])  # whose depth the pin is drawn in
+        rest_centre = self.shares @ cutout.rest[pin.vertices]
+        self._arms = cutout.rest[pin.vertices] - rest_centre
+        self._point = None if pin.kind == "PATCH" else _point_at(pin, self.shares, rest_centre, cutout)
+
+    def place(self, positions: Array) -> Array:
+        """Where the pin is (2,) on n x 2 positions: its point, or the weighted centre of its patch."""
+        if self._point is None:
+            centre: Array = self.shares @ positions[self.pin.vertices]
+            return centre
+        return at(positions, self._triangles, self._point)
+
+    def fitted_angle(self, positions: Array) -> float:
+        """The turn from rest (radians) that fits a patch best; the pin's own angle where none is defined."""
+        if self.pin.kind == "POINT":
+            return self.pin.angle
+        arms = positions[self.pin.vertices] - self.place(positions)
+        along = float(self.shares @ (self._arms * arms).sum(axis=1))
+        across = float(self.shares @ (self._arms[:, 0] * arms[:, 1] - self._arms[:, 1] * arms[:, 0]))
+        return math.atan2(across, along) if along or across else self.pin.angle
+
+    def handle_vertices(self) -> tuple[Indices, Array]:
+        """Triangles (k,) and barycentric weights k x 3 of the pin's handles."""
+        if self._point is not None:
+            return np.array([self._point.triangle], np.int32), self._point.weights[None, :]
+        # A patch holds vertices: each as a corner of some triangle it belongs to.
+        first = _first_corner(self._triangles)
+        corners = first[self.pin.vertices]
+        weights = np.zeros((len(corners), 3))
+        weights[np.arange(len(corners)), corners % 3] = 1.0
+        return (corners // 3).astype(np.int32), weights
+
+    def handle_targets(self, target: Array, angle: float) -> Array:
+        """Where the handles should be (k x 2) when the pin is at `target` and turned by `angle`."""
+        if self._point is not None:
+            return target[None, :]
+        targets: Array = target + self._arms @ rotation(angle).T
+        return targets
+
+
+def rotation(angle: float) -> Array:
+    """The 2 x 2 matrix that turns counter-clockwise by an angle in radians."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def _first_corner(triangles: Indices) -> Indices:
+    corners = np.zeros(int(triangles.max()) + 1, np.int32)
+    flat = triangles.ravel()
+    corners[flat[::-1]] = np.arange(flat.size - 1, -1, -1, dtype=np.int32)
+    return corners
+
+
+def _point_at(pin: Pin, shares: Array, centre: Array, cutout: Cutout) -> MeshPoint:
+    """The mesh point of a point pin: the group's weighted centre on the rest shape.
+
+    A group that fits into one triangle gives its weights directly, which is exact; any other is looked up in
+    the connected parts it touches, and the nearest point of those is taken where the centre lies outside of
+    the mesh.
+    """
+    triangles = cutout.triangles
+    if len(pin.vertices) <= 3:
+        inside = np.isin(triangles, pin.vertices).sum(axis=1) == len(pin.vertices)
+        if inside.any():
+            triangle = int(np.argmax(inside))
+            weights = np.zeros(3)
+            for vertex, share in zip(pin.vertices, shares, strict=True):
+                weights[np.flatnonzero(triangles[triangle] == vertex)[0]] = share
+            return MeshPoint(triangle, weights)
+    parts = np.unique(cutout.parts[pin.vertices])
+    among = np.flatnonzero(np.isin(cutout.parts[triangles[:, 0]], parts)).astype(np.int32)
+    point = nearest_point(cutout.rest, triangles, centre, among)
+    assert point is not None  # every cutout vertex belongs to a triangle
+    return point

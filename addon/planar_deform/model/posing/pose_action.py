@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One action of posing: pins move from where they are, the solver follows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ... import native
+from ..plane.cutout import Cutout
+from ..plane.frame import Array
+from .pins import Holder, Pin, rotation
+
+# One sample of a drag: offset along u and v in world lengths and turn in radians, each since the start.
+Sample = tuple[float, float, float]
+
+# A way that nobody recorded, straight or carried along, is taken in this many samples: enough that each turns
+# and stretches the drawing little, which is what a step of a Killing field assumes.
+RAMP_SAMPLES = 12
+
+# Refinements in a row that settling takes at most. A pose converges in far fewer, or never.
+MOST_REFINEMENTS = 100
+
+
+@dataclass(frozen=True)
+class PinResult:
+    """Where an action left one pin."""
+
+    key: int
+    part: int  # of the cutout
+    target: Array  # (2,) where it was asked to be
+    reached: Array  # (2,) where it is
+    angle: float
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What an action has come to."""
+
+    positions: Array  # n x 2
+    results: list[PinResult]
+    report: native.Report  # of the solver, on the last sample
+    path: list[Sample]  # that led here
+
+
+class PoseAction:
+    """Moves the pins whose keys are in `moving` by samples since the start; the other enabled pins hold.
+
+    `positions` (n x 2) is the shape to start from and `make_poser` gives a solver standing there; it is
+    called at the first move, which may be in another thread. Equal samples in equal order give equal bits.
+    """
+
+    def __init__(
+        self,
+        cutout: Cutout,
+        positions: Array,
+        pins: Iterable[Pin],
+        moving: Iterable[int],
+        make_poser: Callable[[], native.Poser],
+        pivot: Array | None = None,
+    ):
+        self._start = positions
+        self._make_poser = make_poser
+        self._holders = [Holder(pin, cutout) for pin in pins if pin.enabled]
+        if not self._holders:
+            raise ValueError("pins: none is enabled")
+        self._moving = frozenset(moving)
+        self._starts = [_start(holder, positions) for holder in self._holders]
+        if pivot is None:
+            movers = [
+                place
+                for holder, (place, _) in zip(self._holders, self._starts, strict=True)
+                if self._moves(holder)
+            ]
+            pivot = np.mean(movers, axis=0) if movers else np.zeros(2)
+        self.pivot: Array = np.asarray(pivot, dtype=np.float64)
+        self.restart()
+
+    def restart(self) -> None:
+        """Back to the start, as if nothing had been moved yet."""
+        self._poser: native.Poser | None = None
+        self.positions = self._start  # n x 2, after the last move
+        self.path: list[Sample] = []
+        self._refinements = 0
+
+    @property
+    def settled(self) -> bool:
+        """Whether refining would change nothing worth seeing, or has been tried for long enough."""
+        return self._poser is None or self._poser.report.converged or self._refinements >= MOST_REFINEMENTS
+
+    def move(self, du: float, dv: float, angle: float) -> Array:
+        """Take the pins to a total offset and turn since the start (rounded to float32); n x 2 positions.
+
+        The sample before once more: the drawing comes closer to the shape that belongs to it, by one bounded
+        refinement. So a path tells not only where the pins went but also how long they rested.
+        """
+        sample = (float(np.float32(du)), float(np.float32(dv)), float(np.float32(angle)))
+        if self._poser is None:
+            self._poser = self._make_poser()
+            self._set_handles(self._poser)
+        if self.path and self.path[-1] == sample:
+            self.positions = self._poser.refine()
+            self._refinements += 1
+        else:
+            self.positions = self._poser.move(self._targets(sample))
+            self._refinements = 0
+        self.path.append(sample)
+        return self.positions
+
+    def settle(self) -> Array:
+        """Refine until there is nothing left to do; n x 2 positions."""
+        while not self.settled:
+            self.move(*self.path[-1])
+        return self.positions
+
+    def solved(self) -> Solved:
+        """What there is now, which later moves do not change."""
+        if self._poser is None:
+            raise ValueError("nothing has been moved yet")
+        return Solved(self.positions, self.results(), self._poser.report, list(self.path))
+
+    def results(self) -> list[PinResult]:
+        """Where each enabled pin was asked to be and where it is, now."""
+        sample = self.path[-1] if self.path else (0.0, 0.0, 0.0)
+        results = []
+        for holder, start in zip(self._holders, self._starts, strict=True):
+            target, angle = self._aim(holder, start, sample)
+            reached = holder.place(self.positions)
+            results.append(PinResult(holder.pin.key, holder.part, target, reached, angle))
+        return results
+
+    def _moves(self, holder: Holder) -> bool:
+        return holder.pin.key in self._moving
+
+    def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
+        if not self._moves(holder):
+            return start
+        place, turned = start
+        du, dv, angle = sample
+        return self.pivot + rotation(angle) @ (place - self.pivot) + np.array([du, dv]), turned + angle
+
+    def _targets(self, sample: Sample) -> Array:
+        targets = [
+            holder.handle_targets(*self._aim(holder, start, sample))
+            for holder, start in zip(self._holders, self._starts, strict=True)
+        ]
+        return np.concatenate(targets)
+
+    def _set_handles(self, poser: native.Poser) -> None:
+        parts = [holder.handle_vertices() for holder in self._holders]
+        counts = [len(triangles) for triangles, _ in parts]
+        poser.set_handles(
+            (np.concatenate([triangles for triangles, _ in parts]), np.concatenate([w for _, w in parts])),
+            weights=np.repeat([holder.pin.weight for holder in self._holders], counts),
+            groups=np.repeat(np.arange(len(parts)), counts),
+        )
+
+
+def _start(holder: Holder, positions: Array) -> tuple[Array, float]:
+    """Where a pin is held at the start of an action: its target, if it has one, else where it is."""
+    if holder.pin.target is not None:
+        return holder.pin.target, holder.pin.angle
+    return holder.place(positions), holder.fitted_angle(positions)
+
+
+def carried_path(
+    path: list[Sample], *, offset: tuple[float, float] | None = None, angle: float | None = None
+) -> list[Sample]:
+    """The path whose end has been edited to `offset` or `angle`; the same path when it ends there already.
+
+    An edited offset turns and scales the whole path about its start (the similarity that takes the recorded
+    end to the edited one), an edited angle scales its turns. A path that is empty or ends where it started,
+    in what is edited, has no direction to carry along: the result runs straight to the edited end. An edited
+    path cannot give the bits that were recorded, so it keeps only as many samples as a straight one, and no
+    rests.
+    """
+    du, dv, turn = path[-1] if path else (0.0, 0.0, 0.0)
+    if offset is not None:
+        edited = complex(float(np.float32(offset[0])), float(np.float32(offset[1])))
+        recorded = complex(du, dv)
+        if path and edited == recorded:
+            return list(path)
+        if recorded == 0.0:
+            return [(edited.real * t, edited.imag * t, turn * t) for t in _ramp()]
+        ratio = edited / recorded
+        carried = [(complex(u, v) * ratio, a) for u, v, a in _thinned(path)[:-1]] + [(edited, turn)]
+        return [(z.real, z.imag, a) for z, a in carried]
+    if angle is not None:
+        wanted = float(np.float32(angle))
+        if path and wanted == turn:
+            return list(path)
+        if turn == 0.0:
+            return [(du * t, dv * t, wanted * t) for t in _ramp()]
+        return [(u, v, a * (wanted / turn)) for u, v, a in _thinned(path)[:-1]] + [(du, dv, wanted)]
+    return list(path)
+
+
+def _thinned(path: list[Sample]) -> list[Sample]:
+    """At most RAMP_SAMPLES of the path, the last one among them, none equal to the one before."""
+    moves = [sample for sample, before in zip(path, [None, *path], strict=False) if sample != before]
+    last, steps = len(moves) - 1, min(len(moves), RAMP_SAMPLES)
+    return [moves[last - (steps - 1 - step) * last // max(1, steps - 1)] for step in range(steps)]
+
+
+def _ramp() -> list[float]:
+    return [step / RAMP_SAMPLES for step in range(1, RAMP_SAMPLES + 1)]

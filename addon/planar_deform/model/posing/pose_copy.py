@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pose that is carried to another drawing of the same connectivity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..plane.connectivity import Connectivity
+from ..plane.cutout import Cutout
+from ..plane.frame import Array
+from .pins import Holder, Kind
+from .pose_action import PinResult
+
+
+@dataclass(frozen=True)
+class CopiedPin:
+    """Where a pin was asked to be: from where it rests, in extents of the rest shape."""
+
+    kind: Kind
+    offset: Array  # (2,)
+    angle: float
+
+
+@dataclass(frozen=True)
+class CopiedPose:
+    """What a pose adds to the rest shape, in extents of the rest shape along the plane's two axes."""
+
+    connectivity: Connectivity
+    offsets: Array  # n x 2
+    pins: dict[str, CopiedPin]  # by name: those that had a target
+
+
+def copied(
+    connectivity: Connectivity, cutout: Cutout, positions: Array, pins: Iterable[tuple[str, Holder]]
+) -> CopiedPose:
+    """The pose of a cutout that stands at n x 2 positions, with its pins by name."""
+    extents = np.ptp(cutout.rest, axis=0)
+    targets = {
+        name: CopiedPin(
+            holder.pin.kind, (holder.pin.target - holder.place(cutout.rest)) / extents, holder.pin.angle
+        )
+        for name, holder in pins
+        if holder.pin.target is not None
+    }
+    return CopiedPose(connectivity, (positions - cutout.rest) / extents, targets)
+
+
+def pasted(
+    pose: CopiedPose, cutout: Cutout, pins: Iterable[tuple[str, Holder]]
+) -> tuple[Array, list[PinResult]]:
+    """The pose on a cutout of the same connectivity: n x 2 positions, and the targets of its pins by name."""
+    extents = np.ptp(cutout.rest, axis=0)
+    positions: Array = cutout.rest + pose.offsets * extents
+    results = []
+    for name, holder in pins:
+        pin = pose.pins.get(name)
+        if pin is not None and pin.kind == holder.pin.kind:
+            target = holder.place(cutout.rest) + pin.offset * extents
+            results.append(PinResult(holder.pin.key, holder.part, target, holder.place(positions), pin.angle))
+    return positions, results

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One action of posing: the model's, with the object it is read from and written to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import bpy
+import numpy as np
+
+from ... import native
+from ...errors import Refusal
+from ...model.plane.frame import Array
+from ...model.posing import solver_cache, solving
+from ...model.posing.pins import Holder
+from ...model.posing.pose_action import PoseAction, Sample, Solved
+from ...scene.objects import modifiers
+from ...scene.objects.cutout_object import begin
+from ...scene.pins import pin_list
+from ...scene.view import snapshot
+from .. import keying
+
+SHORT = 50  # samples of a path that needs no progress shown
+
+
+def selection_on_press(selected: set[int], pin: int, extend: bool) -> set[int]:
+    """The pins that a drag takes along when `pin` (-1: none) is pressed: all selected ones if it is one."""
+    if pin < 0 or pin in selected:
+        return selected
+    return {pin} | (selected if extend else set())
+
+
+def selection_on_click(selected: set[int], pin: int, extend: bool) -> set[int]:
+    """The selection after `pin` was pressed and released where it is."""
+    return selected ^ {pin} if extend else {pin}
+
+
+class SceneAction:
+    """Begins on the active object; is moved any number of times; then is kept or taken back.
+
+    Nothing but the selection changes before the first move. Between events only names and arrays are kept.
+    """
+
+    def __init__(
+        self,
+        context: bpy.types.Context,
+        pressed: int = -1,
+        extend: bool = False,
+        *,
+        settling: bool = False,
+        unkeyed: bool = False,
+        pivot: Sequence[float] | None = None,
+    ):
+        """`settling`: no pin moves, all of them hold. `unkeyed`: as in `begin`. `pivot`: a world position.
+
+        Raises Refusal, with nothing changed.
+        """
+        self.scene = begin(context, unkeyed=unkeyed)
+        obj = context.object
+        covered = modifiers.covering(obj)
+        if covered is not None:
+            raise Refusal(covered)
+        settings = obj.planar
+        if pressed >= len(settings.pins):
+            raise Refusal(f"There is no pin {pressed}: the object has {len(settings.pins)}")
+        pin_list.sync(obj)
+        self._key = obj.session_uid
+        self._method = settings.method.lower()
+        self._pins = pin_list.model_pins(obj, self.scene)
+        if settling and not any(pin.enabled for pin in self._pins):
+            raise Refusal("No pin is on and holds vertices: add or enable one in the Planar tab")
+        self._selected_before = {index for index, pin in enumerate(settings.pins) if pin.select}
+        self._active_before = settings.active_pin
+        self._pressed, self._extend = pressed, extend
+        self._wrote = False
+        self._pose: PoseAction | None = None
+        self._off: list[Holder] = []
+        self._moving = selection_on_press(self._selected_before, pressed, extend)
+        self._settling = settling
+        self._pivot = None if pivot is None else self.scene.from_world(np.array([pivot], dtype=np.float64))[0]
+        if pressed >= 0:
+            settings.active_pin = pressed
+            self._select(self._moving)
+
+    @property
+    def pose(self) -> PoseAction:
+        """The model's action, made when first needed. Raises Refusal if no selected pin can be moved."""
+        if self._pose is None:
+            usable = {pin.key for pin in self._pins if pin.enabled}
+            moving = set() if self._settling else self._moving & usable
+            if not self._settling and not self._moving:
+                raise Refusal("No pins are selected: click one first")
+            if not self._settling and not moving:
+                raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
+            positions, cutout = self.scene.positions, self.scene.cutout
+            make_poser = partial(solver_cache.poser_for, self._key, cutout, self._method, positions)
+            self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
+            self._pose = PoseAction(cutout, positions, self._pins, moving, make_poser, self._pivot)
+        return self._pose
+
+    def part(self) -> int:
+        """The part of the cutout in whose plane the mouse moves: the pressed pin's, else a moving one's."""
+        chosen = [pin for pin in self._pins if pin.key == self._pressed]
+        chosen += [pin for pin in self._pins if pin.key in self._moving]
+        return int(self.scene.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
+
+    def run(self, path: list[Sample], *, settle: bool) -> None:
+        """Take the pins along a path, here and now, and end with what is reached.
+
+        Raises Refusal, with everything as it was.
+        """
+        try:
+            self.solve(path, settle=settle)
+            solved = self.pose.solved()
+            self._write(solved.positions)
+            self.finish(solved)
+        except Exception:
+            self.cancel()
+            raise
+
+    def solve(
+        self, path: list[Sample], seen: Callable[[Solved], None] | None = None, *, settle: bool = False
+    ) -> None:
+        """Solve a path, here and now, and tell `seen` of each sample; nothing is written. Raises Refusal.
+
+        A long path, which only a drag in a window can have recorded, shows its progress at the mouse.
+        """
+        solving.halt()
+        manager = bpy.context.window_manager
+        manager.progress_begin(0, len(path))
+        try:
+            for count, sample in enumerate(path):
+                self.pose.move(*sample)
+                if seen is not None:
+                    seen(self.pose.solved())
+                if len(path) > SHORT:
+                    manager.progress_update(count)
+            if settle:
+                self.pose.settle()
+        except native.SolveError as error:
+            raise Refusal(str(error)) from error
+        finally:
+            manager.progress_end()
+
+    def show(self, solved: Solved) -> None:
+        """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
+        self._write(solved.positions)
+        results = [*solved.results, *pin_list.carried(self._off, solved.positions)]
+        snapshot.follow(self.scene, solved.positions, results)
+
+    def keep(self, solved: Solved) -> None:
+        """Let the pins hold the drawing where this, which is shown, left it."""
+        pin_list.store_results(self.scene.resolve(), self.scene, solved.results)
+
+    def finish(self, solved: Solved) -> None:
+        """End it with this, which is shown; auto-key keys it."""
+        self.keep(solved)
+        if bpy.context.object == self.scene.resolve():
+            keying.auto_key(bpy.context)
+
+    def cancel(self) -> None:
+        """End it with everything as it was, to the bit. Raises ObjectGone."""
+        obj = self.scene.resolve()
+        if self._wrote:
+            self._wrote = False
+            self.scene.restore()
+        self._select(self._selected_before)
+        obj.planar.active_pin = self._active_before
+
+    def click(self) -> bool:
+        """End it, unmoved, as a click on the pressed pin; whether that changed the selection."""
+        after = selection_on_click(self._selected_before, self._pressed, self._extend)
+        self._select(after)
+        return after != self._selected_before or self._active_before != self._pressed
+
+    def _write(self, positions: Array) -> None:
+        self._wrote = True
+        self.scene.write(positions)
+
+    def _select(self, wanted: set[int]) -> None:
+        for index, pin in enumerate(self.scene.resolve().planar.pins):
+            pin.select = index in wanted

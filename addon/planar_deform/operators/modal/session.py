@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that pose while the user watches: a thread solves, a timer shows the newest that there is.
+
+On release the drawing settles, still within the operator, so that it is one undo step. From then on nothing
+is taken back, and whatever else the user does ends it with what is shown.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import traceback
+from collections.abc import Callable
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ... import native
+from ...errors import ObjectGone, Refusal
+from ...model.posing import solving
+from ...model.posing.pose_action import Sample, Solved
+from ...model.posing.solving import Solving, StoppedError
+from ...scene.view import snapshot
+from .pose_drag import SceneAction
+
+RATE = 1 / 120  # seconds between two looks at what the thread has solved
+# Seconds that an event may wait for the last sample: mostly it is solved by then, and the window goes on.
+PATIENCE = 0.08
+# Events that drive the view, and those that are nobody's: they go on to Blender.
+PASSED_ON = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "NDOF", "MOUSEROTATE", "MOUSESMARTZOOM", "TIMER", "WINDOW")
+# Keys that do nothing yet: they let a drawing settle on.
+MODIFIERS = {f"{side}_{key}" for side in ("LEFT", "RIGHT") for key in ("SHIFT", "CTRL", "ALT")} | {"OSKEY"}
+
+
+class Session:
+    """An action under way in a window, and all that shows there that it is."""
+
+    def __init__(self, context: bpy.types.Context, action: SceneAction, keys: str):
+        """`keys` says in the status bar what the user can press."""
+        global _running
+        self.action = action
+        self.shown: Solved | None = None
+        self.released = False
+        self._solving: Solving | None = None
+        self._complete = False  # the last thing asked for is a way that must be gone to its end
+        self._timer = context.window_manager.event_timer_add(RATE, window=context.window)
+        put_up(context, keys)
+        _running = self
+
+    def ask(self, sample: Sample) -> None:
+        """Go to a sample, without those asked for before if there is no time for them."""
+        self._complete = False
+        self._thread.ask(sample)
+
+    def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
+        """Go along this path from the start instead; the thread tells `seen` of each sample."""
+        self._complete = True
+        self._thread.retrace(path, seen)
+
+    def release(self) -> None:
+        """No more samples will come: settle."""
+        self.released = True
+        put_away()
+        if self._solving is not None:
+            self._solving.hurry()
+        self.show()
+        if self.shown is not None:
+            self.action.keep(self.shown)
+
+    def show(self, *, again: bool = False) -> None:
+        """Show the newest there is; `again`, even what has been shown.
+
+        Raises what the thread raised, ObjectGone and Refusal.
+        """
+        solved = None if self._solving is None else self._solving.newest()
+        if again:
+            solved = solved or self.shown
+        if solved is not None:
+            self.action.show(solved)
+            self.shown = solved
+
+    @property
+    def untouched(self) -> bool:
+        """Whether nothing has been asked for."""
+        return self._solving is None
+
+    @property
+    def settled(self) -> bool:
+        """Whether there is nothing left to solve or to show."""
+        return self._solving is None or self._solving.settled
+
+    def catch_up(self) -> None:
+        """Show what was asked for last, if that takes but a moment.
+
+        A typed value is waited for, and so is the first sample: without it there is nothing to end with.
+        """
+        if self._solving is not None:
+            self._solving.wait(None if self._complete or self.shown is None else PATIENCE)
+        self.show()
+
+    def end(self) -> None:
+        """Nothing more is solved or shown."""
+        global _running
+        if self._solving is not None:
+            self._solving.stop()
+        if _running is self:
+            _running = None
+        if self._timer is not None:
+            bpy.context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        snapshot.release()
+        put_away()
+
+    def abandon(self) -> None:
+        """End it from outside: taken back, unless it has been released."""
+        solving.halt()
+        self.end()
+        if not self.released:
+            with contextlib.suppress(ObjectGone):
+                self.action.cancel()
+
+    @property
+    def _thread(self) -> Solving:
+        if self._solving is None:
+            self._solving = Solving(self.action.pose)
+        return self._solving
+
+
+_running: Session | None = None
+
+
+def running() -> Session | None:
+    """The session that is on."""
+    return _running
+
+
+def put_up(context: bpy.types.Context, keys: str, cursor: str = "SCROLL_XY") -> None:
+    """Show that a drag is on, and in the status bar what can be pressed."""
+    context.window.cursor_modal_set(cursor)
+    context.workspace.status_text_set(keys)
+
+
+def put_away() -> None:
+    """Take back what showed that a drag was on."""
+    window = bpy.context.window or bpy.context.window_manager.windows[0]
+    window.cursor_modal_restore()
+    if window.workspace is not None:
+        window.workspace.status_text_set(None)
+    for area in window.screen.areas:  # the view may be another editor by now
+        area.header_text_set(None)
+
+
+CLASSES = ()
+
+
+class Interactive:
+    """Modal part of an operator with a Session in `_session`.
+
+    A subclass handles the events up to the release in `handle(context, event)`, and keeps its result in its
+    properties in `keep_result(solved)`.
+    """
+
+    def modal(self, context, event):
+        session = self._session
+        try:
+            if not session.action.scene.resolve().visible_get():
+                return self.stop()
+            session.show()
+            if not session.released:
+                return self.handle(context, event)
+            if (
+                event.value == "PRESS"
+                and not event.type.startswith(PASSED_ON)
+                and event.type not in MODIFIERS
+            ):
+                session.catch_up()
+                return self.finish() | {"PASS_THROUGH"}
+            return self.finish() if session.settled else {"PASS_THROUGH"}
+        except (ObjectGone, StoppedError):
+            self.leave()
+            return {"CANCELLED"}
+        except Refusal as refusal:
+            self.report({"WARNING"}, str(refusal))
+            return self.stop()
+        except native.SolveError as error:
+            self.report({"ERROR"}, str(error))
+            return self.stop()
+        except Exception as error:  # Blender would call again and again; nothing may be left half done
+            traceback.print_exc()
+            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            return self.stop()
+
+    def cancel(self, context):
+        """Blender ends the operator itself: another file is loaded, the window closes."""
+        self.stop()
+
+    def release(self):
+        """The user is done: let the drawing settle."""
+        self._session.release()
+        return {"RUNNING_MODAL"}
+
+    def stop(self):
+        """End it early: taken back, unless it has been released."""
+        session = self._session
+        if session.released and session.shown is not None:
+            with contextlib.suppress(ObjectGone):
+                return self.finish()
+        self.leave()
+        with contextlib.suppress(ObjectGone):  # then there is nothing to put back
+            session.action.cancel()
+        return {"CANCELLED"}
+
+    def finish(self):
+        """End it with what is shown."""
+        session = self._session
+        session.action.finish(session.shown)
+        self.keep_result(session.shown)
+        self.leave()
+        return {"FINISHED"}
+
+    def leave(self):
+        """End it, whatever is shown."""
+        self._session.end()
+
+
+@persistent
+def _interrupt(*_):
+    """Undo in another window, another file: what is solved belongs to data that go."""
+    solving.interrupt()
+
+
+HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _interrupt)
+
+
+def unregister() -> None:
+    """The add-on is turned off, perhaps in the middle of a drag."""
+    if _running is not None:
+        _running.abandon()

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The way between the poses keyed around the present frame, any place of which can be shown."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...errors import Refusal
+from ...model.input.breakdown import nearest_share
+from ...model.plane.frame import Array
+from ...model.posing.pins import Holder
+from ..objects.any_object import begin_shape
+from ..objects.cutout_object import SceneCutout
+from ..pins import pin_list
+from ..sequence import sequence
+from ..sequence.neighbours import KeyedPose, around
+from ..view import snapshot
+from . import planning
+
+
+def refusal(obj: bpy.types.Object, frame: float) -> str | None:
+    """Why there is no way at this frame, and what to do; None when there is one."""
+    before, behind = around(obj, frame) if sequence.is_ours(obj) else (None, None)
+    if before is None or behind is None or before.at == behind.at:
+        return "A breakdown lies between two keyed poses: key them, and go to a frame between them"
+    return None
+
+
+class Way:
+    """The shapes that Generate In-Betweens would put between the two poses, solved once.
+
+    On a keyed frame these are the poses around it, as that one is to be made again. What is shown goes where
+    all unkeyed poses go. Holds no reference to Blender's data.
+    """
+
+    def __init__(self, context: bpy.types.Context):
+        """Of the active object. Raises Refusal and native.SolveError, with nothing changed."""
+        self.scene = begin_shape(context, unkeyed=True)
+        obj = context.object
+        self.frame = context.scene.frame_current_final
+        reason = refusal(obj, self.frame)
+        if reason is not None:
+            raise Refusal(reason)
+        before, behind = around(obj, self.frame)
+        self._take_way(obj, before, behind)
+        self._holders: list[Holder] = []
+        if isinstance(self.scene, SceneCutout):
+            self._holders = [Holder(pin, self.scene.cutout) for pin in pin_list.model_pins(obj, self.scene)]
+        self.start = self._share_shown(obj, before, behind)
+
+    def show(self, share: float) -> None:
+        """Show the shape at a share of the way, 0 to 1, or beyond the poses. Raises ObjectGone."""
+        positions = self._at(share)
+        self.scene.show(self._plan.coordinates(self._first, share, positions))
+        if self._holders:
+            snapshot.follow(self.scene, positions, pin_list.carried(self._holders, positions))
+
+    def restore(self) -> None:
+        """Put everything back as it was, to the bit. Raises ObjectGone."""
+        self.scene.restore()
+
+    def _take_way(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> None:
+        poses, times = [before.pose, behind.pose], [0.0, behind.frame - before.frame]
+        self._first = 0  # which of the poses is the one before
+        if obj.planar.smooth:  # then the next ones on both sides decide on the way, too
+            if (further := _further(obj, before, 0)) is not None:
+                poses, times, self._first = [further[0], *poses], [-further[1], *times], 1
+            if (further := _further(obj, behind, 1)) is not None:
+                poses, times = [*poses, further[0]], [*times, times[-1] + further[1]]
+        self._plan = planning.way(self.scene, poses, times)
+        self._within = self._beyond = self._plan.motion()
+        if len(poses) > 2:
+            self._beyond = self._plan.motion(self._first, self._first + 1)
+
+    def _at(self, share: float) -> Array:
+        """Positions n x 2 at a share of the way."""
+        start, end = self._plan.times[self._first : self._first + 2]
+        motion = self._within if 0.0 <= share <= 1.0 else self._beyond
+        return motion.at([start + share * (end - start)], overshoot=True)[0]
+
+    def _share_shown(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> float:
+        """Where on the way the shape is that is shown at the start."""
+        if sequence.pose_at(obj, self.frame) is None and not sequence.unkeyed(obj):
+            share = (obj.data.shape_keys.eval_time - before.at) / (behind.at - before.at)
+            return min(max(share, 0.0), 1.0)
+        return nearest_share(self._at, self.scene.positions)
+
+
+def _further(obj: bpy.types.Object, pose: KeyedPose, side: int) -> tuple[int, float] | None:
+    """The next pose before (side 0) or behind (1) one that may be held, and how many frames that is away."""
+    following = around(obj, pose.frame)[side]
+    while following is not None and following.at == pose.at:
+        pose = following
+        following = around(obj, pose.frame)[side]
+    return None if following is None else (following.pose, abs(following.frame - pose.frame))

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is to be generated between the poses of a sequence, and how it is solved."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ... import native
+from ...model.plane.frame import Array, Indices
+from ...model.timing.order_of_time import Entry
+from ...model.work import Progress
+from ..objects.any_object import SceneShape
+from . import joints
+
+PLANTED = 1e-3  # of the diagonal: a pin that has moved less between two poses stands still
+_SAMPLED = 0.1  # of the share of the work: sampling, after solving
+
+
+@dataclass
+class Plan:
+    """What is to be generated: plain data, so that it can be solved in a thread."""
+
+    scene: SceneShape
+    shapes: list[np.ndarray]  # of the poses in the order of time, as stored
+    keys: list[Array]  # the same n x 2
+    rest: Array  # n x 2
+    elements: dict[str, Indices]
+    times: list[float]  # of the keys: frames, without those over which a pose is held
+    samples: list[int]  # of each transition k -> k + 1: how many to generate
+    turns: list[int]
+    held: list[Indices]  # vertices of each pin in each part
+    path: str  # "STRAIGHT" | "ARC"
+    smooth: bool
+    # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
+    # shapes stay, and what there was.
+    entries: list[Entry] = field(default_factory=list)
+    first: int = 0
+    kept: set[int] = field(default_factory=set)
+    starts: list[float] = field(default_factory=list)
+    dropped: list[float] = field(default_factory=list)
+
+    def among(self, chosen: Sequence[int]) -> Plan:
+        """The way through some of the keys alone, for motion()."""
+        turns = [sum(self.turns[before:after]) for before, after in itertools.pairwise(chosen)]
+        return replace(
+            self,
+            shapes=[self.shapes[key] for key in chosen],
+            keys=[self.keys[key] for key in chosen],
+            times=[self.times[key] for key in chosen],
+            turns=turns,
+            samples=[0] * len(turns),
+        )
+
+    def motion(
+        self, first: int = 0, last: int | None = None, progress: Progress | None = None
+    ) -> native.Inbetweens:
+        """The way through keys `first` to `last`, at their `times`. Raises SolveError, Cancelled."""
+        last = len(self.keys) - 1 if last is None else last
+        anchors, joined = zip(*(self._holds(transition) for transition in range(first, last)), strict=True)
+        return native.Inbetweens(
+            np.stack(self.keys[first : last + 1]),
+            **self.elements,
+            rest=self.rest,
+            key_times=self.times[first : last + 1],
+            turns=np.array(self.turns[first:last], np.int32)[:, None],
+            anchor=anchors,
+            anchor_path=self.path.lower(),
+            joints=joined,
+            smooth=self.smooth,
+            progress=progress,
+        )
+
+    def solve(self, progress: Progress | None = None) -> list[Array]:
+        """The generated positions, n x 2 each, in order. Raises SolveError and Cancelled."""
+        found: list[Array] = []
+        runs = self._runs()
+        for number, (first, last) in enumerate(runs):
+
+            def solved(share: float, number: int = number) -> bool:
+                return progress is None or progress((number + (1.0 - _SAMPLED) * share) / len(runs))
+
+            motion = self.motion(first, last, solved)
+            for transition in range(first, last):
+                if self.samples[transition]:
+                    found += list(motion.at(self._sample_times(transition)))
+                share = (transition + 1 - first) / (last - first)
+                if progress is not None and not progress((number + share) / len(runs)):
+                    raise native.Cancelled
+        return found
+
+    def coordinates(self, transition: int, share: float, positions: Array) -> np.ndarray:
+        """The shape that shows n x 2 positions at this share of a transition; below 0 and above 1, too.
+
+        What the plane does not tell goes from one pose to the other in proportion. Raises Refusal beyond what
+        Blender can store.
+        """
+        before, after = self.shapes[transition], self.shapes[transition + 1]
+        blended = before * np.float32(1.0 - share) + after * np.float32(share)
+        return self.scene.moved(blended, positions)
+
+    def _holds(self, transition: int) -> tuple[Indices | None, Indices]:
+        """The vertices whose mean moves on the path, and the joints of the parts, in a transition.
+
+        Pins that stand still hold their parts; those parts that have none go by all their pins.
+        """
+        before, after = self.keys[transition : transition + 2]
+        gaps = [np.linalg.norm(before[rows].mean(axis=0) - after[rows].mean(axis=0)) for rows in self.held]
+        near = PLANTED * self.scene.diagonal
+        planted = [rows for rows, gap in zip(self.held, gaps, strict=True) if gap <= near]
+        parts = {int(self.scene.parts[rows[0]]) for rows in planted}
+        chosen = planted + [rows for rows in self.held if int(self.scene.parts[rows[0]]) not in parts]
+        anchor = np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None
+        return anchor, joints.find(self.rest, before, after, self.scene.parts, parts)
+
+    def _sample_times(self, transition: int) -> Array:
+        count = self.samples[transition]
+        before, after = self.times[transition : transition + 2]
+        return np.asarray(before + (after - before) * np.arange(1, count + 1) / (count + 1))
+
+    def _runs(self) -> list[tuple[int, int]]:
+        """First and last keys of transitions in a row that are to be solved, with what decides on them."""
+        around = 1 if self.smooth else 0
+        runs: list[tuple[int, int]] = []
+        for transition, count in enumerate(self.samples):
+            if count:
+                first = max(0, transition - around)
+                last = min(len(self.samples), transition + 1 + around)
+                if runs and first <= runs[-1][1]:
+                    first = runs.pop()[0]
+                runs.append((first, last))
+        return runs

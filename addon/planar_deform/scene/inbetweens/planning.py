@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""In-betweens: generated shapes between the keyed poses, one for each whole frame from one to the next.
+
+They are blocks between those of the poses. The curve's values follow, so that a pose is shown when it was,
+and with linear timing every generated shape at its frame; all timing stays a matter of the curve. Taking them
+out takes the values back, to the bit.
+
+The curve cannot come back to an earlier pose through the blocks in between. Where it does, as in a loop, a
+pose of its own repeats the earlier one, and follows it until it is edited; poses that have been moved past
+one another in time are put in order. Taking in-betweens out undoes that, too.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ...errors import Refusal
+from ...model.plane.frame import Indices
+from ...model.timing.order_of_time import Entry, frames_between
+from ...model.timing.played_curve import SAME_FRAME
+from ..objects.any_object import SceneShape, is_outline, shape_refusal
+from ..pins import pin_list
+from ..sequence import sequence
+from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
+from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
+from ..storage import digests
+from ..storage.points import read_block
+from .plan import Plan
+
+
+def refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why nothing can be generated for an object, and what to do; None when it can.
+
+    Cheap enough for polls.
+    """
+    reason = shape_refusal(obj)
+    if reason is None and (not sequence.is_ours(obj) or len(keyed(obj.data.shape_keys)) < 2):
+        return "Key two poses first: Key Pose at one frame, then another one at a later frame"
+    return reason
+
+
+def plan(
+    scene: SceneShape,
+    *,
+    poses: Sequence[int] | None = None,
+    path: str | None = None,
+    smooth: bool | None = None,
+) -> Plan:
+    """What is to be generated for all poses, or for those chosen as if there were no others.
+
+    `path` ("STRAIGHT" or "ARC") and `smooth` are the object's own unless told.
+
+    Stretches that have been edited since they were generated are left as they are, while their poses are the
+    same. Raises Refusal; changes nothing.
+    """
+    obj = scene.resolve()
+    reason = refusal(obj)
+    if reason is not None:
+        raise Refusal(reason)
+    digests.forget()
+    found = stretches(obj)
+    dropped = set() if poses is None else _places(obj, set(range(len(obj.planar.poses))) - set(poses))
+    found = [stretch for stretch in found if stretch.start.source not in dropped]
+    starts = [stretch.start.source for stretch in found]
+    entries = entries_of(obj, starts)
+    played = [index for index, entry in enumerate(entries) if entry.first is not None]
+    if len(played) < 2:
+        raise Refusal("The curve shows one pose only: key another one at a later frame")
+    entries_played = entries[played[0] : played[-1] + 1]
+    listed = {pose.at: pose for pose in obj.planar.poses}
+    stamps = Stamps(obj)
+    made_of, shapes, turns = [], [], []
+    for entry in entries_played:
+        pose = listed.get(starts[entry.block])
+        place = starts[entry.block]
+        if pose is not None and (original := stamps.original(pose)) is not None:
+            place = original.at
+        made_of.append(stamps.digest(place))
+        shapes.append(read_block(obj, block_at(obj.data.shape_keys, place)))
+        turns.append(0 if pose is None or entry.copy else pose.turns)
+    result = _plan_of(scene, obj, shapes, turns[:-1])
+    if path is not None:
+        result.path = path
+    if smooth is not None:
+        result.smooth = smooth
+    result.times = _times(entries_played)
+    result.entries, result.first = entries, played[0]
+    result.starts, result.dropped = starts, sorted(dropped)
+    for transition, (before, after) in enumerate(itertools.pairwise(entries_played)):
+        start, end = found[before.block].start, found[after.block].start
+        count = frames_between(before, after)
+        if start.pose is None or end.pose is None or made_of[transition] == made_of[transition + 1]:
+            count = 0
+        elif _stays(stamps, found[before.block], before, after, made_of, transition, result):
+            result.kept.add(transition)
+            count = 0
+        result.samples.append(count)
+    if not any(result.samples) and not result.kept:
+        raise Refusal("There are no frames to fill between the poses: move their keys apart")
+    kept = sum(len(found[entries_played[transition].block].samples) for transition in result.kept)
+    generated = sum(result.samples) + kept
+    if FIRST + SPACING * (len(entries) + generated) >= HOLD:
+        raise Refusal(f"{generated} in-betweens are too many for one object: cut the shot into pieces")
+    return result
+
+
+def way(scene: SceneShape, poses: Sequence[int], times: Sequence[float]) -> Plan:
+    """The way through some poses (indices) at these times; for motion() and coordinates(). Raises Refusal."""
+    obj = scene.resolve()
+    chosen = [obj.planar.poses[pose] for pose in poses]
+    shapes = [read_block(obj, block_at(obj.data.shape_keys, pose.at)) for pose in chosen]
+    result = _plan_of(scene, obj, shapes, [pose.turns for pose in chosen[:-1]])
+    result.times = list(times)
+    return result
+
+
+def _plan_of(scene: SceneShape, obj: bpy.types.Object, shapes: list[np.ndarray], turns: list[int]) -> Plan:
+    """A plan for these poses, without times and samples."""
+    return Plan(
+        scene=scene,
+        shapes=shapes,
+        keys=[scene.flattened(shape) for shape in shapes],
+        rest=scene.rest,
+        elements=scene.elements,
+        times=[],
+        samples=[],
+        turns=turns,
+        held=_held(scene, obj),
+        path=obj.planar.anchor_path,
+        smooth=obj.planar.smooth,
+    )
+
+
+def _held(scene: SceneShape, obj: bpy.types.Object) -> list[Indices]:
+    """The vertices of each enabled pin in each part."""
+    pins = [] if is_outline(obj) else pin_list.model_pins(obj, scene)
+    return [
+        pin.vertices[scene.parts[pin.vertices] == part]
+        for pin in pins
+        if pin.enabled
+        for part in np.unique(scene.parts[pin.vertices])
+    ]
+
+
+def _times(entries: Sequence[Entry]) -> list[float]:
+    times = [0.0]
+    for before, after in itertools.pairwise(entries):
+        times.append(times[-1] + max(after.first - before.last, SAME_FRAME))
+    return times
+
+
+def _stays(
+    stamps: Stamps,
+    stretch: Stretch,
+    before: Entry,
+    after: Entry,
+    made_of: list[str],
+    transition: int,
+    plan: Plan,
+) -> bool:
+    """Whether what is generated behind a pose has been edited, and is to be generated from the same."""
+    record = stretch.start.pose
+    if not (record["edited"] and stretch.samples) or before.copy or after.block != before.block + 1:
+        return False
+    return bool(record["stamp"] == stamps.of(made_of, transition, record["turns"], plan.path, plan.smooth))
+
+
+def _places(obj: bpy.types.Object, poses: set[int]) -> set[float]:
+    return {pose.at for index, pose in enumerate(obj.planar.poses) if index in poses}

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Generated shapes put into a pose sequence, and taken out; planning.py tells how they are kept."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import bpy
+import numpy as np
+
+from ...errors import ObjectGone, Refusal
+from ...model.plane.frame import Array
+from ...model.timing.played_curve import SAME_PLACE, Offsets, moved, offsets, remember
+from ..objects.any_object import SceneShape
+from ..sequence import playback, pose_curve, sequence
+from ..sequence.playback import Block, sample_name
+from ..sequence.pose_blocks import FIRST, SPACING, keyed, own_curve
+from ..sequence.stretches import Stamps, Stretch, stretches
+from ..storage import digests
+from .plan import Plan
+
+
+def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Iterator[float]:
+    """Put in what plan.solve() gave, in place of what was generated before; yields the share that is done.
+
+    Closed before its end, or where anything fails, everything is back to the bit. Raises ObjectGone where the
+    poses are not those of the plan any more, Refusal beyond what Blender can store.
+    """
+    obj = scene.resolve()
+    found = [stretch for stretch in stretches(obj) if stretch.start.source not in plan.dropped]
+    if [stretch.start.source for stretch in found] != plan.starts:
+        raise ObjectGone(f"The poses of '{obj.name}' have changed meanwhile")
+    blocks, starts = _blocks(obj, plan, found, shapes)
+    was_unkeyed = sequence.unkeyed(obj)
+
+    def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
+        obj.planar.anchor_path, obj.planar.smooth = plan.path, plan.smooth
+        _drop_keys(obj, plan.dropped)
+        _expand(obj, plan, playback.places_of(blocks)[starts])
+
+    yield from playback.relay(obj, blocks, then)
+    sequence.show(scene.resolve(), was_unkeyed)
+
+
+def remove(obj: bpy.types.Object) -> None:
+    """Take all in-betweens out: what was there before they were generated is back, to the bit.
+
+    Poses that have been keyed, deleted or edited since stay so. Raises Refusal.
+    """
+    reason = sequence.refusal(obj)
+    if reason is not None:
+        raise Refusal(reason)
+    digests.forget()
+    found = stretches(obj)
+    folded = _folded(obj, found)  # places of repeated poses, and where the poses are that they repeat
+    order = _order_before([stretch for stretch in found if stretch.start.source not in folded])
+    shown = np.array([stretch.start.source for stretch in found])
+    plain = FIRST + SPACING * np.arange(len(found))
+    settings = obj.planar
+    remembered = settings.curve_before
+    blocks = [stretch.start for stretch in order]
+    for block in blocks:
+        block.free = 0
+        if block.pose is not None:
+            block.pose |= {"stamp": "", "edited": False, "order_before": 0}
+    at = {block.source: place for block, place in zip(blocks, playback.places_of(blocks), strict=True)}
+    final = np.array([at[folded.get(place, place)] for place in shown.tolist()])
+    active = settings.poses[settings.active_pose].at if settings.active_pose < len(settings.poses) else None
+    was_unkeyed = sequence.unkeyed(obj)
+
+    def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
+        curve = own_curve(obj.data.shape_keys)
+        if curve is not None:
+            was = offsets(pose_curve.rows(curve), shown, plain, remembered)
+            pose_curve.write_rows(curve, final[was.pose][:, None] + was.values, was)
+
+    playback.run(playback.relay(obj, blocks, then))
+    for index, pose in enumerate(settings.poses):
+        if active in folded and pose.at == at[folded[active]]:
+            settings.active_pose = index
+    sequence.show(obj, was_unkeyed)
+
+
+def _blocks(
+    obj: bpy.types.Object, plan: Plan, found: list[Stretch], shapes: Sequence[Array]
+) -> tuple[list[Block], list[int]]:
+    """The played range to be, and which of its blocks are those of the plan's entries."""
+    stamps = Stamps(obj)
+    listed = {pose.at: pose for pose in obj.planar.poses}
+    taken = {block.name for block in obj.data.shape_keys.key_blocks}
+    order = [entry.block for entry in plan.entries if not entry.copy]
+    made_of = [digests.digest(shape.tobytes()) for shape in plan.shapes]
+    waiting = iter(shapes)
+    blocks: list[Block] = []
+    starts: list[int] = []
+    for number, entry in enumerate(plan.entries):
+        stretch = found[entry.block]
+        transition = number - plan.first
+        start = stretch.start
+        if entry.copy:
+            start = Block(_free_name(start.name, taken), plan.shapes[transition], pose={})
+            start.pose = {"copy_of": stretch.start.name, "copied": made_of[transition]}
+        elif start.pose is not None:
+            if order != sorted(order) and not start.pose["order_before"]:
+                start.pose["order_before"] = entry.block + 1
+            if 0 <= transition < len(made_of) and stamps.original(listed[start.source]) is not None:
+                start.shape, start.pose["copied"] = plan.shapes[transition], made_of[transition]
+        start.free = 0
+        starts.append(len(blocks))
+        blocks.append(start)
+        if start.pose is None:
+            continue
+        if transition in plan.kept:
+            blocks += stretch.samples
+            continue
+        count = plan.samples[transition] if 0 <= transition < len(plan.samples) else 0
+        stamp = ""
+        if count:
+            stamp = stamps.of(made_of, transition, plan.turns[transition], plan.path, plan.smooth)
+        start.pose |= {"edited": False, "stamp": stamp}
+        before = [] if entry.copy or len(stretch.samples) != count else stretch.samples
+        for sample in range(count):
+            share = (sample + 1) / (count + 1)
+            shape = partial(plan.coordinates, transition, share, next(waiting))
+            source = before[sample].source if before else None
+            blocks.append(Block(sample_name(start.name, sample + 1), shape, source, sample=True))
+    return blocks, starts
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    names = itertools.chain([f"{name} Repeat"], (f"{name} Repeat {number}" for number in itertools.count(2)))
+    found = next(name for name in names if name not in taken)
+    taken.add(found)
+    return found
+
+
+def _drop_keys(obj: bpy.types.Object, dropped: Sequence[float]) -> None:
+    keys = obj.data.shape_keys
+    values = keyed(keys)[:, 1]
+    at = np.array(dropped).reshape(1, -1)
+    pose_curve.remove_keys(keys, (np.abs(values[:, None] - at) < SAME_PLACE).any(axis=1))
+
+
+def _expand(obj: bpy.types.Object, plan: Plan, shown: Array) -> None:
+    """Take the curve to where the plan's entries are shown now."""
+    settings = obj.planar
+    curve = own_curve(obj.data.shape_keys)
+    rows = pose_curve.rows(curve)
+    old = np.array(plan.starts)
+    was = offsets(rows, old, FIRST + SPACING * np.arange(len(old)), settings.curve_before)
+    times: dict[int, list[int]] = {}  # the entries of each block
+    for index, known in enumerate(plan.entries):
+        times.setdefault(known.block, []).append(index)
+    keys = zip(was.pose.tolist(), rows.keys[:, 0].tolist(), strict=True)
+    entry = np.array([_entry_at(plan, times[block], frame) for block, frame in keys])
+    plain = FIRST + SPACING * np.arange(len(shown))
+    pose_curve.write_rows(curve, moved(plain[entry][:, None] + was.values, plain, shown))
+    before = Offsets(entry, was.values, was.sides, was.exact)
+    settings.curve_before = remember(pose_curve.rows(curve), before)
+
+
+def _entry_at(plan: Plan, found: Sequence[int], frame: float) -> int:
+    """Which of the times that a block is played is meant by a key at a frame."""
+    begun = [index for index in found if (first := plan.entries[index].first) is not None and first <= frame]
+    return begun[-1] if begun else found[0]
+
+
+def _folded(obj: bpy.types.Object, found: list[Stretch]) -> dict[float, float]:
+    """Places of poses that repeat others still, and of those."""
+    stamps = Stamps(obj)
+    there = {stretch.start.source for stretch in found}
+    originals = {pose.at: stamps.original(pose) for pose in obj.planar.poses if pose.at in there}
+    return {
+        place: original.at
+        for place, original in originals.items()
+        if original is not None and originals.get(original.at) is None
+    }
+
+
+def _order_before(found: list[Stretch]) -> list[Stretch]:
+    """The order from before poses were put in that of time; what is new stays behind what it is behind."""
+    ranks = []
+    latest = 0
+    for stretch in found:
+        if stretch.start.pose is not None and stretch.start.pose["order_before"]:
+            latest = stretch.start.pose["order_before"]
+        ranks.append(latest)
+    return [found[index] for index in sorted(range(len(found)), key=lambda index: ranks[index])]

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pose sequence that is made over to other objects built alike."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+
+from ... import compat, native
+from ...errors import Refusal
+from ...model.plane.frame import Array
+from ...model.work import Progress
+from ..objects.any_object import SceneShape, begin_shape, read_shape
+from ..objects.connectivity import shape_connectivity
+from ..sequence import playback, pose_curve, sequence, stretches
+from ..sequence.pose_blocks import played
+from ..storage.points import read_block
+
+CHUNK = 64  # frames between two looks at whether anybody still waits
+SETTINGS = ("anchor_path", "smooth", "curve_before")  # of the object, which tell how its in-betweens are made
+
+
+def transfer_refusal(context: bpy.types.Context) -> str | None:
+    """Why there is nothing to transfer a motion to, and what to do about it; None if there may be."""
+    if any(obj != context.object for obj in context.selected_objects):
+        return None
+    return "No other object is selected: select those that are to move alike, then this one"
+
+
+class Transfer:
+    """Read from the scene once: what is transferred, and onto what. Raises Refusal; changes nothing."""
+
+    def __init__(self, context: bpy.types.Context):
+        source = context.object
+        reason = sequence.refusal(source) or transfer_refusal(context)
+        if reason is not None:
+            raise Refusal(reason)
+        self._source = begin_shape(context)
+        self._connectivity = shape_connectivity(self._source)
+        self._targets = [self._read(obj) for obj in context.selected_objects if obj != source]
+        self._blocks = playback.blocks_of(source)
+        self._shapes = [read_block(source, block) for block in played(source.data.shape_keys)]
+        self._stale = {pose for pose, _ in stretches.stale(source)}
+        self._places = [block.source for block in self._blocks], playback.places_of(self._blocks)
+
+    def _read(self, obj: bpy.types.Object) -> SceneShape:
+        try:
+            target = read_shape(obj)
+        except Refusal as refusal:
+            about = "" if f"'{obj.name}'" in str(refusal) else f"'{obj.name}': "
+            raise Refusal(about + str(refusal)) from refusal
+        if sequence.has_blocks(obj):
+            raise Refusal(f"'{obj.name}' has poses already: take them away with Clear Poses")
+        reason = sequence.refusal(obj)
+        if reason is not None:
+            raise Refusal(f"'{obj.name}': {reason}")
+        differs = shape_connectivity(target).difference(self._connectivity)
+        if differs is not None:
+            raise Refusal(f"'{obj.name}' is built differently from '{self._source.object_name}': {differs}")
+        return target
+
+    def solve(self, progress: Progress) -> list[list[np.ndarray]]:
+        """The shapes of each target, see storage/points.py, in the order of the blocks; for a thread."""
+        source = self._source
+        frames = [source.flattened(shape) for shape in self._shapes]
+        starts = range(0, len(frames), CHUNK)
+        result = []
+        for count, target in enumerate(self._targets):
+            shapes: list[np.ndarray] = []
+            side = _side(source, target)
+            for start in starts:
+                if not progress((count + start / len(frames)) / len(self._targets)):
+                    raise native.Cancelled
+                chunk = [source.rest, *frames[start : start + CHUNK]]
+                moved = native.transfer_motion(chunk, target.rest * side, **source.elements)
+                shapes += [target.coordinates(positions * side) for positions in moved[1:]]
+            result.append(shapes)
+        return result
+
+    def write(self, shapes: list[list[np.ndarray]]) -> Iterator[float]:
+        """Give each target its sequence, a block at each step; the share done. Closed before: as it was."""
+        begun: list[tuple[SceneShape, list]] = []
+        try:
+            for count, (target, own) in enumerate(zip(self._targets, shapes, strict=True)):
+                obj = target.resolve()
+                begun.append((target, [getattr(obj.planar, name) for name in SETTINGS]))
+                sequence.begin_sequence(obj, target.rest_coordinates())
+                blocks = [
+                    dataclasses.replace(block, shape=shape, source=None)
+                    for block, shape in zip(self._blocks, own, strict=True)
+                ]
+                for share in playback.relay(obj, blocks, self._play):
+                    yield (count + share) / len(shapes)
+                sequence.show_frame(obj)
+        except BaseException:
+            for target, settings in begun:
+                _take_back(target, settings)
+            raise
+
+    def _play(self, obj: bpy.types.Object, *_: np.ndarray) -> None:
+        """Give a target that has all blocks the source's timing and settings."""
+        source, keys = self._source.resolve(), obj.data.shape_keys
+        animation = source.data.shape_keys.animation_data
+        if animation is not None and animation.action is not None:
+            action = animation.action.copy()
+            action.name = f"{obj.name} Poses"
+            compat.assign_action(keys.animation_data_create(), action, compat.slot_of(animation))
+            pose_curve.follow(keys, *self._places)
+        obj.planar.active_pose = source.planar.active_pose
+        for name in SETTINGS:
+            setattr(obj.planar, name, getattr(source.planar, name))
+        for index, pose in enumerate(obj.planar.poses):
+            if index not in self._stale:
+                stretches.mark(obj, [index], edited=pose.edited)
+
+
+def _take_back(target: SceneShape, settings: list) -> None:
+    """Leave an object as it was before it was begun to be written."""
+    obj = bpy.data.objects.get(target.object_name)
+    if obj is None or obj.session_uid != target.session_uid:
+        return
+    if not sequence.is_ours(obj):  # its blocks are gone again
+        sequence.end_sequence(obj)
+    sequence.clear(obj)
+    for name, value in zip(SETTINGS, settings, strict=True):
+        setattr(obj.planar, name, value)
+
+
+def _side(source: SceneShape, target: SceneShape) -> Array:
+    """What takes the target's plane coordinates to the source's side: (1, 1), else (-1, 1).
+
+    Faces tell by their winding, and both are seen from their fronts. Lines have none: theirs is the side from
+    which both rest shapes are more alike.
+    """
+    if "edges" not in source.elements:
+        return np.ones(2)
+    here, there = ((x - x.mean(axis=0)) @ [1.0, 1.0j] for x in (source.rest, target.rest))
+    mirrored = np.abs(here @ there) > np.abs(here.conj() @ there) * (1.0 + 1e-6)
+    return np.array([-1.0 if mirrored else 1.0, 1.0])

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Any flat object whose shapes over time can be keyed: a cutout with faces, or an outline of lines."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...errors import Refusal
+from . import cutout_object
+from .cutout_object import SceneCutout
+from .flat_object import settle
+from .line_object import SceneOutline, outline_refusal
+
+SceneShape = SceneCutout | SceneOutline
+
+
+def shape_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why shapes of this object cannot be keyed, and what to do; None if nothing speaks against it.
+
+    Cheap enough for polls; read_shape() finds the rest.
+    """
+    if obj is None:
+        return "No active object: select a flat mesh or curve"
+    if obj.type not in {"MESH", "CURVE"}:
+        return f"'{obj.name}' is neither a mesh nor a curve: convert it with Object > Convert"
+    return outline_refusal(obj) if is_outline(obj) else cutout_object.pose_refusal(obj)
+
+
+def is_outline(obj: bpy.types.Object) -> bool:
+    """Whether an object is made of lines alone, so that it has no pins."""
+    return obj.type == "CURVE" or (obj.type == "MESH" and not obj.data.polygons)
+
+
+def begin_shape(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneShape:
+    """The active object's shape at the start of an action, its transforms up to date. Raises Refusal.
+
+    A drag that still is on, as during a script, ends with what it shows.
+
+    `unkeyed`: what the action writes is shown, and never becomes a keyed pose by itself.
+    """
+    settle(context)
+    return read_shape(context.object, unkeyed=unkeyed)
+
+
+def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> SceneShape:
+    """The object's shape, as it is shown. Raises Refusal; changes nothing."""
+    reason = shape_refusal(obj)
+    if reason is not None:
+        raise Refusal(reason)
+    assert obj is not None
+    return SceneOutline(obj, unkeyed) if is_outline(obj) else SceneCutout(obj, unkeyed)

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads what joins the points of an object: faces as they are, before any triangulation, or lines."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...model.plane.connectivity import Connectivity
+from ...model.plane.frame import Indices
+from .any_object import SceneShape
+
+
+def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
+    """The faces of a mesh on those of its vertices (n) that belong to one."""
+    sizes = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return Connectivity(len(vertices), sizes, np.searchsorted(vertices, corners).astype(np.int32))
+
+
+def shape_connectivity(scene: SceneShape) -> Connectivity:
+    """The faces or the lines of any shape. Raises ObjectGone."""
+    edges = scene.elements.get("edges")
+    if edges is None:
+        return connectivity_of(scene.resolve().data, scene.vertex_indices)
+    return Connectivity(len(scene.vertex_indices), np.full(len(edges), 2, np.int32), edges.ravel(), "lines")

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What flat objects of all kinds have in common: their transform, their plane, and how shapes are written."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...errors import ObjectGone, Refusal
+from ...model.plane.cutout import diagonal_of
+from ...model.plane.frame import Array, Indices, Mask, PlaneFrame, mapped
+from ...model.posing import solving
+from ..storage import points, shape_keys
+from .pose_store import target_of
+
+FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
+
+
+def data_refusal(obj: bpy.types.Object, mode: str) -> str | None:
+    """Why an object's mesh or curve cannot be changed in a mode, and what to do; None when it can."""
+    data = obj.data
+    if obj.library is not None or data.library is not None:
+        return f"'{obj.name}' is linked from a library: make it local with Object > Relations > Make Local"
+    if obj.override_library is not None or data.override_library is not None:
+        return f"'{obj.name}' is a library override: make it local with Object > Relations > Make Local"
+    if obj.mode != mode:
+        return "Posing works in Object Mode: leave the current mode first"
+    if data.users - data.use_fake_user > 1:
+        kind = obj.type.lower()
+        return f"The {kind} is shared: make it single-user with Object > Relations > Make Single User"
+    return None
+
+
+def settle(context: bpy.types.Context) -> None:
+    """Before the active object is read: end a drag that still is on with what it shows, update transforms."""
+    solving.interrupt()
+    context.view_layer.update()
+
+
+class FlatObject:
+    """An object as points of a plane: those of its points that something joins, in their order.
+
+    Holds no reference to Blender's data, which dies with every undo: each method finds the object again by
+    name and identity, and raises ObjectGone where it or its data is another one by now.
+    """
+
+    object_name: str
+    session_uid: int
+    positions: Array  # n x 2, the shape shown
+    parts: Indices  # n, the connected part of each point
+    frame: PlaneFrame  # of the shape shown, in world-linear space
+    vertex_indices: Indices  # n, of each point in the object
+
+    def __init__(self, obj: bpy.types.Object, unkeyed: bool):
+        self.object_name, self.session_uid = obj.name, obj.session_uid
+        self._data_uid, self._count, self._mode = obj.data.session_uid, points.count(obj), obj.mode
+        self._linear = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
+        self._origin = np.array(obj.matrix_world.translation, dtype=np.float64)
+        if not (np.isfinite(self._linear).all() and np.isfinite(self._origin).all()):
+            raise Refusal(
+                f"The transform of '{obj.name}' is not made of numbers: clear it with Object > Clear"
+            )
+        stretches = np.linalg.svd(self._linear, compute_uv=False)
+        if not stretches[-1] > 1e-6 * stretches[0]:
+            raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
+        self._inverse = np.linalg.inv(self._linear)
+        self._target = target_of(obj, unkeyed)
+
+    def _take_points(self, obj: bpy.types.Object, used: Indices, parts: Indices) -> Array:
+        """Stand for these of the object's points; the coordinates n x 3 at which they are shown."""
+        self.vertex_indices, self.parts = used, parts
+        shown = self._target.shown[used, :3]
+        if not np.isfinite(shown).all():
+            kind = "vertices" if obj.type == "MESH" else "points"
+            raise Refusal(f"'{obj.name}' has {kind} with coordinates that are not numbers: delete them")
+        self._share = self._target.share[used]
+        shape_keys.check_share(obj, self._share)
+        return shown
+
+    def _take_frame(self, frame: PlaneFrame, world: Array) -> None:
+        """Lie in this frame with the points at n x 3 positions in world-linear space."""
+        self.frame, self.positions = frame, frame.flatten(world)
+        self._depths = part_means(frame.depth(world), self.parts)
+
+    # -- reading
+
+    def to_world(self, places: Array, parts: Indices | None = None) -> Array:
+        """World positions k x 3 of k x 2 points of the plane, as deep as their parts (k,), else the first."""
+        depths = self._depths[np.zeros(len(places), np.int32) if parts is None else parts]
+        return self.frame.lift(places) + np.outer(depths, self.frame.n) + self._origin
+
+    def to_local(self, places: Array, parts: Indices | None = None) -> Array:
+        """Object-local positions k x 3 of k x 2 points of the plane."""
+        return mapped(self.to_world(places, parts) - self._origin, self._inverse)
+
+    def from_local(self, places: Array) -> Array:
+        """Plane coordinates k x 2 of k x 3 object-local points."""
+        return self.frame.flatten(mapped(places, self._linear))
+
+    def from_world(self, places: Array) -> Array:
+        """Plane coordinates k x 2 of k x 3 world points."""
+        return self.frame.flatten(places - self._origin)
+
+    def flattened(self, shape: np.ndarray) -> Array:
+        """Plane coordinates n x 2 of any shape of the object, see storage/points.py. Raises Refusal."""
+        places = shape[self.vertex_indices, :3].astype(np.float64)
+        if not np.isfinite(places).all():
+            raise Refusal(
+                f"A pose of '{self.object_name}' has coordinates that are not numbers: delete that pose"
+            )
+        return self.from_local(places)
+
+    def coordinates(self, positions: Array) -> np.ndarray:
+        """The shape, see storage/points.py, in which the object shows n x 2 positions.
+
+        Raises Refusal beyond what Blender can store.
+        """
+        shown = self._target.shown.astype(np.float32)
+        return self._placed(shown, self.positions, positions, np.ones_like(self._share))
+
+    def moved(self, shape: np.ndarray, positions: Array) -> np.ndarray:
+        """Any shape of the object with its points of the plane taken to n x 2 positions.
+
+        What the plane does not tell stays: depths, and points that nothing joins. Raises Refusal beyond what
+        Blender can store.
+        """
+        return self._placed(shape, self.flattened(shape), positions, np.ones_like(self._share))
+
+    # -- writing
+
+    def write(self, positions: Array) -> None:
+        """Show n x 2 positions: in the object itself, through the posed shape key, or in the pose sequence.
+
+        A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
+        Raises Refusal, with nothing changed, beyond what Blender can store.
+        """
+        self._store(self._placed(self._target.begin, self.positions, positions, self._share))
+
+    def show(self, shape: np.ndarray) -> None:
+        """Show a shape, see storage/points.py, of an object with a pose sequence."""
+        self._store(shape)
+
+    def restore(self) -> None:
+        """Put everything back as it was when this was read, to the bit."""
+        obj = self.resolve()
+        self._target.restore(obj)
+        points.update(obj)
+
+    def resolve(self) -> bpy.types.Object:
+        """The object that was read. Raises ObjectGone if it, its data or its mode is another one by now."""
+        obj = bpy.data.objects.get(self.object_name)
+        if obj is None or obj.session_uid != self.session_uid:
+            raise ObjectGone(f"'{self.object_name}' is gone")
+        if (obj.data.session_uid, points.count(obj), obj.mode) != (self._data_uid, self._count, self._mode):
+            raise ObjectGone(f"The {obj.type.lower()} of '{self.object_name}' has changed")
+        if not self._target.is_there(obj):
+            raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
+        return obj
+
+    def _placed(self, begin: np.ndarray, start: Array, positions: Array, share: Array) -> np.ndarray:
+        moved = np.flatnonzero(np.any(positions != start, axis=1))
+        offsets = mapped(self.frame.lift(positions[moved] - start[moved]), self._inverse)
+        offsets /= share[moved]
+        rows = self.vertex_indices[moved]
+        shape = begin.copy()
+        with np.errstate(over="ignore"):
+            shape[rows, :3] = begin[rows, :3] + offsets  # float64 until it is stored
+        if not np.isfinite(shape[rows, :3]).all():
+            raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
+        return shape
+
+    def _store(self, shape: np.ndarray) -> None:
+        obj = self.resolve()
+        self._target.store(obj, shape)
+        points.update(obj)
+
+
+def is_flat(frame: PlaneFrame, world: Array, parts: Indices, known: Mask | None = None) -> bool:
+    """Whether each part of n x 3 points in world-linear space, only those `known`, lies across the normal."""
+    if known is None:
+        known = np.ones(len(world), bool)
+    depths = frame.depth(world)[known]
+    low = np.full(int(parts.max()) + 1, np.inf)
+    high = -low
+    np.minimum.at(low, parts[known], depths)
+    np.maximum.at(high, parts[known], depths)
+    return bool(np.max(high - low) <= FLATNESS * diagonal_of(world[known]))
+
+
+def part_means(values: Array, parts: Indices) -> Array:
+    """The mean of n values in each part."""
+    return np.asarray(np.bincount(parts, weights=values) / np.bincount(parts), dtype=np.float64)

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rest shape: the Basis when there are shape keys, else an attribute of the mesh's points."""
+
+from __future__ import annotations
+
+import random
+
+import bpy
+import numpy as np
+
+from ...errors import Refusal
+from ..sequence import sequence
+from ..storage import points, shape_keys
+
+REST = "planar_rest"
+# Which mesh wrote a vertex's rest: 0 for vertices that an edit added with no rest of their own, another
+# number for those that came by joining, whose rest is still in the space of the object they came from.
+OWNER = "planar_rest_owner"
+
+
+def basis_or_stored(obj: bpy.types.Object) -> np.ndarray | None:
+    """Rest positions count x 3 (float32, object-local) as they are stored; None when they are not."""
+    mesh = obj.data
+    if mesh.shape_keys is not None:
+        return points.read_block(obj, mesh.shape_keys.reference_key)
+    stored = _attribute(mesh, REST, "FLOAT_VECTOR")
+    if stored is None:
+        return None
+    rest = np.empty(len(mesh.vertices) * 3, np.float32)
+    stored.data.foreach_get("vector", rest)
+    return rest.reshape(-1, 3)
+
+
+def owners_of(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """The owner of each vertex's stored rest (count,); None when that is not recorded."""
+    owner = _attribute(mesh, OWNER, "INT")
+    if owner is None:
+        return None
+    owners = np.empty(len(mesh.vertices), np.int32)
+    owner.data.foreach_get("value", owners)
+    return owners
+
+
+def write(mesh: bpy.types.Mesh, rest: np.ndarray) -> None:
+    """Store rest positions, count x 3, on a mesh without shape keys, all owned by this mesh."""
+    # Below 2^24, so that Blender's interpolation in float keeps it.
+    owners = np.full(len(mesh.vertices), random.randrange(1, 1 << 24), np.int32)
+    put_back(mesh, rest, owners)
+
+
+def put_back(mesh: bpy.types.Mesh, rest: np.ndarray | None, owners: np.ndarray | None) -> None:
+    """Store rest and owners as they were read, and nothing where there was nothing."""
+    for name, kind, field, values in (
+        (REST, "FLOAT_VECTOR", "vector", rest),
+        (OWNER, "INT", "value", owners),
+    ):
+        found = _attribute(mesh, name, kind)
+        if values is not None:
+            found = found or _new_attribute(mesh, name, kind)
+            found.data.foreach_set(field, np.ascontiguousarray(values).ravel())
+        elif found is not None:
+            mesh.attributes.remove(found)
+
+
+def ensure(obj: bpy.types.Object) -> None:
+    """Store the current shape as rest shape if none is stored."""
+    mesh = obj.data
+    if basis_or_stored(obj) is None:
+        write(mesh, points.read(obj))
+
+
+def set_to_current(obj: bpy.types.Object) -> None:
+    """Take the current shape as rest shape.
+
+    With a pose sequence it becomes the Basis. With relative keys what the posed key adds to the shown shape
+    goes into the Basis, the other keys move along with it, and the posed key adds nothing any more: what is
+    shown stays the same. Raises Refusal, with nothing changed.
+    """
+    mesh = obj.data
+    if mesh.shape_keys is None:
+        write(mesh, points.read(obj))
+        return
+    if not mesh.shape_keys.use_relative:
+        shown = sequence.shown_points(obj)  # the poses stay as they are, wherever the rest is
+        points.write_block(mesh.shape_keys.reference_key, shown)
+        points.write(obj, shown)
+        points.update(obj)
+        return
+    posed = shape_keys.posed_key(obj)
+    if posed is None:
+        return  # the Basis itself is active: it is the rest already
+    if posed.relative_key != posed and posed in _relative_chain(posed.relative_key):
+        raise Refusal(
+            f"Shape key '{posed.name}' is relative to itself by others: make it relative to the Basis"
+        )
+    keys = mesh.shape_keys
+    shapes = {key.name: points.read_block(obj, key).astype(np.float64) for key in keys.key_blocks}
+    under = shape_keys.under_posed_key(obj)
+    own = shapes[posed.name] - shapes[under.name]
+    added = own * shape_keys.weight_of_posed_key(obj)
+    for key in keys.key_blocks:
+        loses_own = posed in _relative_chain(key)
+        points.write_block(key, (shapes[key.name] + added - own * loses_own).astype(np.float32))
+    points.write(obj, points.read_block(obj, keys.reference_key))
+    points.update(obj)
+
+
+def _relative_chain(key: bpy.types.ShapeKey) -> list[bpy.types.ShapeKey]:
+    """The key, the key it is relative to, and so on; each once."""
+    chain: list[bpy.types.ShapeKey] = []
+    while key not in chain:
+        chain.append(key)
+        key = key.relative_key
+    return chain
+
+
+def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute | None:
+    found = mesh.attributes.get(name)
+    return found if found is not None and found.domain == "POINT" and found.data_type == kind else None
+
+
+def _new_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
+    occupied = mesh.attributes.get(name)
+    if occupied is not None:  # of another type or domain: not ours, and in the way
+        mesh.attributes.remove(occupied)
+    return mesh.attributes.new(name, kind, "POINT")

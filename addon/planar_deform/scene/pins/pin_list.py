@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The object's pin list: vertex groups in, model pins out, results of actions back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ...model.plane.frame import Array, Indices
+from ...model.plane.locate import MeshPoint
+from ...model.posing.pins import Holder, Pin
+from ...model.posing.pose_action import PinResult
+from ..objects import rest_shape
+from ..objects.cutout_object import SAME_PLACE, SceneCutout
+
+GROUP_NAME = "Pin"
+
+
+def sync(obj: bpy.types.Object) -> None:
+    """Make the pins, and the stiffness, follow renamed, removed and reordered vertex groups.
+
+    Groups have no stable identity: a name that is gone is taken to have been renamed to what its index holds
+    now, if no group was added or removed since and nothing else uses that group. Anything else stays a
+    missing group.
+    """
+    settings = obj.planar
+    groups = obj.vertex_groups
+    used = {pin.group for pin in settings.pins} | {settings.stiffness_group}
+    unchanged = settings.group_count == len(groups)
+
+    def followed(name: str, index: int) -> bpy.types.VertexGroup | None:
+        group = groups.get(name)
+        if group is None and name and unchanged and 0 <= index < len(groups):
+            renamed = groups[index]
+            if renamed.name not in used:
+                used.add(renamed.name)
+                group = renamed
+        return group
+
+    for pin in settings.pins:
+        group = followed(pin.group, pin.group_index)
+        if group is not None and group.name != pin.group:
+            if pin.name == pin.group:
+                pin.name = group.name
+            held = pin.has_target, pin.angle
+            pin.group = group.name  # which lets go of its target, as another group would
+            pin.has_target, pin.angle = held
+        index = -1 if group is None else group.index
+        if pin.group_index != index:
+            pin.group_index = index
+    group = followed(settings.stiffness_group, settings.stiffness_index)
+    if group is not None and group.name != settings.stiffness_group:
+        settings.stiffness_group = group.name
+    index = -1 if group is None else group.index
+    if settings.stiffness_index != index:
+        settings.stiffness_index = index
+    if settings.group_count != len(groups):
+        settings.group_count = len(groups)
+
+
+def group_members(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, tuple[Indices, np.ndarray]]:
+    """Vertices and weights of each named group, without those of weight 0; missing groups are left out."""
+    wanted = {obj.vertex_groups[name].index: name for name in names if name in obj.vertex_groups}
+    members: dict[int, tuple[list[int], list[float]]] = {index: ([], []) for index in wanted}
+    for vertex in obj.data.vertices:
+        for element in vertex.groups:
+            if element.group in members and element.weight > 0.0:
+                rows, weights = members[element.group]
+                rows.append(vertex.index)
+                weights.append(element.weight)
+    return {
+        wanted[index]: (np.array(rows, np.int32), np.array(weights, np.float64))
+        for index, (rows, weights) in members.items()
+    }
+
+
+def model_pins(obj: bpy.types.Object, scene: SceneCutout) -> list[Pin]:
+    """The usable pins of an object: those whose group exists and has a vertex of a face in it.
+
+    A pin's stored target is kept while the pin still is where the last action left it, and dropped otherwise
+    (the mesh was edited, reset, shows another key), so that the pin holds what is seen.
+    """
+    settings = obj.planar
+    members = group_members(obj, {pin.group for pin in settings.pins})
+    rows_of = np.full(len(obj.data.vertices), -1, np.int32)
+    rows_of[scene.vertex_indices] = np.arange(len(scene.vertex_indices), dtype=np.int32)
+    pins = []
+    for key, pin in enumerate(settings.pins):
+        vertices, weights = members.get(pin.group, (np.empty(0, np.int32), np.empty(0)))
+        rows = rows_of[vertices]
+        inside = rows >= 0
+        if not inside.any():
+            continue
+        weight = pin.weight * settings.pin_weight
+        model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, weight, pin.angle)
+        if pin.has_target:
+            reached, target = scene.from_local(np.array([pin.reached, pin.target], dtype=np.float64))
+            place = Holder(model, scene.cutout).place(scene.positions)
+            # Both were stored in float32, which far from the origin is coarser than the drawing asks for.
+            rounding = 2.0**-22 * np.linalg.norm(reached)
+            if np.linalg.norm(place - reached) <= SAME_PLACE * scene.cutout.diagonal + rounding:
+                model = replace(model, target=target)
+        pins.append(model)
+    return pins
+
+
+def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:
+    """Where pins are that go where the drawing, n x 2, takes them."""
+    results = []
+    for holder in holders:
+        place, angle = holder.place(positions), holder.fitted_angle(positions)
+        results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
+    return results
+
+
+def store_results(obj: bpy.types.Object, scene: SceneCutout, results: Iterable[PinResult]) -> None:
+    """Keep where an action asked its pins to be and where it left them."""
+    for result in results:
+        pin = obj.planar.pins[result.key]
+        parts = np.array([result.part, result.part], np.int32)
+        pin.target, pin.reached = scene.to_local(np.array([result.target, result.reached]), parts)
+        pin.has_target = True
+        if pin.kind == "PATCH":
+            pin.angle = result.angle
+    obj.planar.solved_stiffness = scene.stiffness_stamp
+
+
+def forget_targets(obj: bpy.types.Object) -> None:
+    """After a reset: the pins hold the drawing where it is, unturned."""
+    for pin in obj.planar.pins:
+        pin.has_target = False
+        pin.angle = 0.0
+
+
+def add_at(obj: bpy.types.Object, scene: SceneCutout, point: MeshPoint) -> bpy.types.PropertyGroup:
+    """Add a point pin at a point of the mesh, with a vertex group of its up to three weights."""
+    group = obj.vertex_groups.new(name=GROUP_NAME)
+    corners = scene.vertex_indices[scene.cutout.triangles[point.triangle]]
+    for vertex, weight in zip(corners.tolist(), point.weights.tolist(), strict=True):
+        if weight > 0.0:
+            group.add([vertex], weight, "REPLACE")
+    return _append(obj, group, "POINT", owns_group=True)
+
+
+def add_on_vertices(obj: bpy.types.Object, vertices: list[int], kind: str) -> bpy.types.PropertyGroup:
+    """Add a pin with a new vertex group of these mesh vertices."""
+    group = obj.vertex_groups.new(name=GROUP_NAME)
+    group.add(vertices, 1.0, "REPLACE")
+    return _append(obj, group, kind, owns_group=True)
+
+
+def add_on_group(obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str) -> bpy.types.PropertyGroup:
+    """Add a pin on an existing vertex group."""
+    return _append(obj, group, kind, owns_group=False)
+
+
+def remove(obj: bpy.types.Object, indices: Iterable[int]) -> None:
+    """Remove pins, and the groups that were made for them unless another pin uses them."""
+    settings = obj.planar
+    sync(obj)
+    for index in sorted(indices, reverse=True):
+        pin = settings.pins[index]
+        name, owned = pin.group, pin.owns_group
+        settings.pins.remove(index)
+        group = obj.vertex_groups.get(name)
+        if owned and group is not None and all(other.group != name for other in settings.pins):
+            obj.vertex_groups.remove(group)
+    settings.active_pin = max(0, min(settings.active_pin, len(settings.pins) - 1))
+    sync(obj)
+
+
+def _append(
+    obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str, *, owns_group: bool
+) -> bpy.types.PropertyGroup:
+    rest_shape.ensure(obj)
+    settings = obj.planar
+    pin = settings.pins.add()
+    pin.name = pin.group = group.name
+    pin.kind, pin.owns_group, pin.group_index = kind, owns_group, group.index
+    settings.active_pin = len(settings.pins) - 1
+    settings.group_count = len(obj.vertex_groups)
+    return pin

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""New poses in a pose sequence: a block for each in the order of time, and a key of the curve."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+
+import bpy
+import numpy as np
+
+from ...model.plane.frame import Array
+from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
+from ..storage.shape_keys import POSE_KEY
+from . import pose_curve
+from .playback import Block, blocks_of, follow, places_of, relay
+from .pose_blocks import keyed
+
+
+def insert(
+    obj: bpy.types.Object, shapes: Mapping[float, np.ndarray], *, throughout: bool = False
+) -> Iterator[float]:
+    """Key a pose for each shape (by frame; see storage/points.py), step by step as playback.relay().
+
+    A pose that is keyed at such a frame, and nowhere else, gets the shape. Every other one comes after what
+    the curve shows before its frame, in the place of the generated shape if one is shown there exactly.
+    `throughout`: keys between the frames go away, with what only they show and what is generated there.
+    """
+    keys = obj.data.shape_keys
+    timeline = keyed(keys)
+    blocks = blocks_of(obj)
+    removed = np.zeros(len(timeline), bool)
+    if throughout:
+        removed = _between(timeline, sorted(shapes))
+        blocks = _without(keys, blocks, timeline, removed, sorted(shapes))
+        timeline = timeline[~removed]
+    new: dict[float, Block] = {}
+    latest: float | None = None
+    for frame in sorted(shapes):
+        block = _keyed_only_there(blocks, timeline, frame)
+        if block is not None:
+            block.shape = shapes[frame]
+            continue
+        earlier = timeline[timeline[:, 0] < frame - SAME_FRAME]
+        follows_new = latest is not None and not (len(earlier) and earlier[-1, 0] > latest)
+        behind = new[latest] if follows_new else shown_before(blocks, earlier)
+        new[frame] = Block("", shapes[frame], pose={})
+        put_in(keys, blocks, new[frame], behind, frame, earlier)
+        latest = frame
+    _name(keys, new)
+    at = places_of(blocks).tolist()
+    keyed_at = {frame: at[blocks.index(block)] for frame, block in new.items()}
+
+    def then(obj: bpy.types.Object, old: Array, places: Array) -> None:
+        pose_curve.remove_keys(obj.data.shape_keys, removed)
+        follow(obj, old, places)
+        if keyed_at:
+            pose_curve.key(obj, keyed_at)
+
+    return relay(obj, blocks, then)
+
+
+def _between(timeline: np.ndarray, frames: list[float]) -> np.ndarray:
+    """The keys from the first to the last of the frames but those at them."""
+    at = timeline[:, 0]
+    kept = (np.abs(at[:, None] - np.array(frames)) < SAME_FRAME).any(axis=1)
+    return np.asarray((at > frames[0]) & (at < frames[-1]) & ~kept)
+
+
+def _without(
+    keys: bpy.types.Key, blocks: list[Block], timeline: np.ndarray, removed: np.ndarray, frames: list[float]
+) -> list[Block]:
+    """The blocks without the poses that only the removed keys show, and without what is generated there."""
+
+    def shown(block: Block, rows: np.ndarray) -> bool:
+        return bool((np.abs(rows[:, 1] - block.source) < SAME_PLACE).any())
+
+    low = high = 0.0
+    if len(timeline) and any(block.sample for block in blocks):
+        low, high = (pose_curve.value_at(keys, frame) for frame in (frames[0], frames[-1]))
+    result = []
+    for block in blocks:
+        if block.sample:
+            gone = low < block.source < high
+        else:
+            gone = block.pose is not None and shown(block, timeline[removed])
+            gone = gone and not shown(block, timeline[~removed])
+        if not gone:
+            result.append(block)
+        elif not block.sample:
+            block.free = 0
+    return close_up(result)
+
+
+def close_up(blocks: list[Block]) -> list[Block]:
+    """These blocks as a sequence: nothing generated before the first pose or behind the last one."""
+    others = [index for index, block in enumerate(blocks) if not block.sample]
+    kept = blocks[others[0] : others[-1] + 1] if others else []
+    if kept:
+        kept[0].free = 0
+    return kept
+
+
+def _keyed_only_there(blocks: list[Block], timeline: np.ndarray, frame: float) -> Block | None:
+    """The pose that is keyed at this frame and at no other."""
+    values = timeline[np.abs(timeline[:, 0] - frame) < SAME_FRAME, 1]
+    for block in blocks if len(values) else ():
+        if block.pose is None or block.source is None:
+            continue
+        there = (np.abs(values - block.source) < SAME_PLACE).any()
+        if there and (np.abs(timeline[:, 1] - block.source) < SAME_PLACE).sum() == 1:
+            return block
+    return None
+
+
+def shown_before(blocks: list[Block], earlier: np.ndarray) -> Block | None:
+    """The last block that is not behind what the last of these keys shows."""
+    if not len(earlier):
+        return None
+    shown = earlier[-1, 1] + SAME_PLACE
+    passed = [block for block in blocks if block.source is not None and block.source <= shown]
+    return passed[-1] if passed else None
+
+
+def put_in(
+    keys: bpy.types.Key,
+    blocks: list[Block],
+    new: Block,
+    behind: Block | None,
+    frame: float,
+    earlier: np.ndarray,
+) -> None:
+    """Put a pose for a frame in behind a block (None: first), and behind what is generated and shown earlier.
+
+    It takes the place of the generated shape that is shown at the frame. `earlier`: the keys before that.
+    """
+    index = 0 if behind is None else blocks.index(behind) + 1
+    value = pose_curve.value_at(keys, frame) if len(earlier) else -np.inf
+    while index < len(blocks) and blocks[index].sample and blocks[index].source < value - SAME_PLACE:
+        index += 1
+    if index < len(blocks) and blocks[index].sample and blocks[index].source < value + SAME_PLACE:
+        new.free = blocks[index].free
+        blocks[index] = new
+        return
+    blocks.insert(index, new)
+
+
+def _name(keys: bpy.types.Key, new: Mapping[float, Block]) -> None:
+    """Names like those that Blender gives."""
+    taken = {block.name for block in keys.key_blocks}
+    free = (
+        name
+        for name in itertools.chain([POSE_KEY], (f"{POSE_KEY}.{number:03}" for number in itertools.count(1)))
+        if name not in taken
+    )
+    for frame in sorted(new):
+        new[frame].name = next(free)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The points of an object's shape: a mesh's vertices, or the points of a curve's poly splines in order.
+
+A shape is float32 and object-local: count x 3 coordinates, of a curve count x 5, with the radius and the
+tilt of each point, which its shape keys hold and Blender blends as well.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...errors import Refusal
+from . import digests
+
+CURVE_FIELDS = ("radius", "tilt")  # the columns behind the coordinates
+
+
+def count(obj: bpy.types.Object) -> int:
+    """How many points the object has."""
+    if obj.type == "CURVE":
+        return sum(len(spline.points) for spline in obj.data.splines)
+    return len(obj.data.vertices)
+
+
+def read(obj: bpy.types.Object) -> np.ndarray:
+    """The shape that the mesh or curve has without shape keys."""
+    if obj.type != "CURVE":
+        return _columns(obj.data.vertices, ())
+    splines = [_columns(spline.points, CURVE_FIELDS, 4) for spline in obj.data.splines]
+    return np.delete(np.concatenate(splines), 3, axis=1)  # a poly spline has no use for its weight
+
+
+def write(obj: bpy.types.Object, shape: np.ndarray) -> None:
+    """Give the mesh or curve itself a shape; of a curve's, coordinates alone will do, too."""
+    if obj.type != "CURVE":
+        obj.data.vertices.foreach_set("co", shape.ravel())
+        return
+    start = 0
+    for spline in obj.data.splines:
+        rows = shape[start : start + len(spline.points)]
+        places = np.empty((len(rows), 4), np.float32)
+        spline.points.foreach_get("co", places.ravel())
+        places[:, :3] = rows[:, :3]
+        spline.points.foreach_set("co", places.ravel())
+        _set_fields(spline.points, rows)
+        start += len(rows)
+
+
+def read_block(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
+    """The shape that a shape key holds. Raises Refusal if it has another number of points than the object."""
+    if len(block.data) != count(obj):
+        raise Refusal(
+            f"Shape key '{block.name}' has another number of points than the object, as joining curves "
+            "leaves it: undo that, or remove the key"
+        )
+    return _held(obj, block)
+
+
+def bits(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> bytes:
+    """The bits of read_block(), whatever the number of points: a curve in Edit Mode may have more by then."""
+    return _held(obj, block).tobytes()
+
+
+def write_block(block: bpy.types.ShapeKey, shape: np.ndarray) -> None:
+    """Give a shape key a shape; of a curve's, coordinates alone will do, too."""
+    _coordinates(block).foreach_set("co", np.ascontiguousarray(shape[:, :3]).ravel())
+    _set_fields(block.data, shape)
+
+
+def update(obj: bpy.types.Object) -> None:
+    """Tell Blender, and what is kept of shapes, that the object's shape has been written."""
+    digests.forget()
+    if obj.type == "CURVE":
+        obj.data.update_tag()
+    else:
+        obj.data.update()
+
+
+def _held(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
+    return _columns(_coordinates(block), CURVE_FIELDS if obj.type == "CURVE" else ())
+
+
+def _coordinates(block: bpy.types.ShapeKey) -> bpy.types.bpy_prop_collection:
+    """Where a shape key's coordinates are; those of a mesh's key can be had a hundred times as fast."""
+    return block.points if len(block.points) else block.data
+
+
+def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3) -> np.ndarray:
+    result = np.empty((len(points), size + len(fields)), np.float32)
+    places = np.empty(len(points) * size, np.float32)
+    points.foreach_get("co", places)
+    result[:, :size] = places.reshape(-1, size)
+    for column, field in enumerate(fields, size):
+        values = np.empty(len(points), np.float32)
+        points.foreach_get(field, values)
+        result[:, column] = values
+    return result
+
+
+def _set_fields(points: bpy.types.bpy_prop_collection, shape: np.ndarray) -> None:
+    for column, field in zip(range(3, shape.shape[1]), CURVE_FIELDS, strict=False):
+        points.foreach_set(field, np.ascontiguousarray(shape[:, column]))

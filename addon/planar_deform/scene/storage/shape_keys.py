@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Relative shape keys: which one is posed, what all of them show, and the posed one's share in it."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...errors import Refusal
+from ...model.plane.frame import Array
+from . import points
+
+POSE_KEY = "Pose"
+# Below this share of the shown shape a key is as good as off: its difference would be divided by the share,
+# and float32 coordinates would lose what the eye can see.
+LEAST_SHARE = 1e-3
+
+
+def posed_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
+    """The shape key an action writes to; None when the Basis is active, so that a Pose key has to be made."""
+    key = obj.active_shape_key
+    return None if key is None or key == obj.data.shape_keys.reference_key else key
+
+
+def refusal(obj: bpy.types.Object) -> str | None:
+    """Why the object's shape keys cannot be posed, and what to do; None when they can or there are none."""
+    keys = obj.data.shape_keys
+    if keys is None:
+        return None
+    if not keys.use_relative and obj.planar.poses:  # which are found by the places of their keys
+        return "The shape keys of the poses have been re-timed: undo Re-Time Shape Keys"
+    if not keys.use_relative:
+        return "Absolute shape keys cannot be posed: turn on Relative in the Shape Keys panel"
+    key = posed_key(obj)
+    if key is None:
+        if obj.show_only_shape_key:
+            return "Only the Basis is shown: turn off Shape Key Lock in the Shape Keys panel"
+        return None
+    if key.mute:
+        return f"Shape key '{key.name}' is muted: tick its box in the Shape Keys panel"
+    if key.lock_shape:
+        return f"Shape key '{key.name}' is locked: open its lock in the Shape Keys panel"
+    if key.value == 0.0 and not obj.show_only_shape_key:
+        return f"Shape key '{key.name}' has value 0, so a pose in it would not show: raise its value"
+    return None
+
+
+def shown_points(obj: bpy.types.Object) -> Array:
+    """The shape (storage/points.py) that the keys show together, as Blender evaluates relative keys."""
+    keys = obj.data.shape_keys
+    basis = points.read_block(obj, keys.reference_key).astype(np.float64)
+    if obj.show_only_shape_key:
+        only = obj.active_shape_key
+        if only.mute or only == keys.reference_key:
+            return basis
+        return basis + (points.read_block(obj, only) - basis) * _mask(obj, only)
+    shown = basis.copy()
+    for key in keys.key_blocks:
+        if _counts(keys, key):
+            offsets = points.read_block(obj, key).astype(np.float64)
+            offsets -= points.read_block(obj, key.relative_key)
+            shown += offsets * (key.value * _mask(obj, key))
+    return shown
+
+
+def share_of_posed_key(obj: bpy.types.Object) -> Array:
+    """How much the shown shape moves when the posed key does, count x 1: d(shown) / d(posed key).
+
+    Its own value through its mask, less the values of the keys that are relative to it.
+    """
+    keys = obj.data.shape_keys
+    posed = posed_key(obj)
+    share = np.zeros((points.count(obj), 1))
+    if posed is None:
+        return share + 1.0  # the Pose key that will be made has value 1
+    if obj.show_only_shape_key:
+        return share + weight_of_posed_key(obj)
+    for key in keys.key_blocks:
+        if _counts(keys, key):
+            weight = key.value * _mask(obj, key)
+            share += weight * ((key == posed) - (key.relative_key == posed))
+    return share
+
+
+def under_posed_key(obj: bpy.types.Object) -> bpy.types.ShapeKey:
+    """The key from which the posed key's difference is taken."""
+    keys = obj.data.shape_keys
+    return keys.reference_key if obj.show_only_shape_key else posed_key(obj).relative_key
+
+
+def weight_of_posed_key(obj: bpy.types.Object) -> Array | float:
+    """The share of its difference that the posed key adds to the shown shape, count x 1 or one number."""
+    posed = posed_key(obj)
+    return _mask(obj, posed) * (1.0 if obj.show_only_shape_key else posed.value)
+
+
+def check_share(obj: bpy.types.Object, share: Array) -> None:
+    """Refuse when the posed key does not show at some of the vertices with these shares."""
+    if len(share) and np.abs(share).min() >= LEAST_SHARE:
+        return
+    key = posed_key(obj)
+    name = key.name if key is not None else POSE_KEY
+    if key is not None and key.vertex_group in obj.vertex_groups:
+        raise Refusal(
+            f"Vertex group '{key.vertex_group}' masks shape key '{name}' where the drawing has vertices: "
+            "clear the key's vertex group"
+        )
+    raise Refusal(
+        f"A pose in shape key '{name}' would not show: raise its value and check the keys relative to it"
+    )
+
+
+def add_pose_key(obj: bpy.types.Object) -> bpy.types.ShapeKey:
+    """Add and activate a key at value 1 that starts as the Basis, so that the shown shape stays as it is."""
+    key = obj.shape_key_add(name=POSE_KEY, from_mix=False)
+    # A new key copies the mesh's own coordinates, which need not be the Basis.
+    points.write_block(key, points.read_block(obj, obj.data.shape_keys.reference_key))
+    key.value = 1.0  # 0 in 4.2, 1 in 5.2
+    obj.active_shape_key_index = len(obj.data.shape_keys.key_blocks) - 1
+    return key
+
+
+def _counts(keys: bpy.types.Key, key: bpy.types.ShapeKey) -> bool:
+    return key != keys.reference_key and not key.mute and key.value != 0.0
+
+
+def _mask(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> Array | float:
+    """The key's mask, count x 1, or 1.0: a vertex group that is missing masks nothing."""
+    group = obj.vertex_groups.get(key.vertex_group) if key.vertex_group else None
+    if group is None:
+        return 1.0
+    mask = np.zeros((len(obj.data.vertices), 1))
+    for vertex in obj.data.vertices:
+        for element in vertex.groups:
+            if element.group == group.index:
+                mask[vertex.index] = element.weight
+    return mask

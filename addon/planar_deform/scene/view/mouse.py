@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mouse in a 3D view: the ray through it, the pin and the ring under it. It is given in region pixels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import (
+    location_3d_to_region_2d,
+    region_2d_to_origin_3d,
+    region_2d_to_vector_3d,
+)
+from mathutils import Vector
+
+from ...model.plane.frame import Array
+from .snapshot import PinPlace
+
+# Pixels at a UI scale of 1.
+REACH = 12.0  # from the middle of a pin, within which the mouse is on it
+RING = 36.0  # radius of the ring about what can be turned
+NEAR_RING = 6.0  # within which the mouse is on the ring, unless it is on a pin
+
+
+@dataclass(frozen=True)
+class Ring:
+    """What is turned together."""
+
+    centre: Array  # (3,) in the world, about which it is turned
+    patch: PinPlace | None  # that is turned alone, if it is one
+
+
+def ray(
+    region: bpy.types.Region, view: bpy.types.RegionView3D, mouse: Sequence[float]
+) -> tuple[Array, Array]:
+    """Origin and direction (3,) in the world of what lies under the mouse."""
+    origin, direction = (
+        region_2d_to_origin_3d(region, view, mouse),
+        region_2d_to_vector_3d(region, view, mouse),
+    )
+    return np.array(origin, dtype=np.float64), np.array(direction, dtype=np.float64)
+
+
+def regions(area: bpy.types.Area | None) -> list[tuple[bpy.types.Region, bpy.types.RegionView3D]]:
+    """The regions of an area that show its 3D view, four in a quad view, each with its view."""
+    if area is None or area.type != "VIEW_3D":
+        return []
+    space = area.spaces.active
+    views = list(space.region_quadviews) or [space.region_3d]
+    shown = [region for region in area.regions if region.type == "WINDOW"]
+    return list(zip(shown, views, strict=False))
+
+
+def pixels_to(
+    region: bpy.types.Region, view: bpy.types.RegionView3D, place: Array, mouse: Sequence[float]
+) -> float:
+    """How far the mouse is from a place (3,) in the world; infinite where that is behind the view."""
+    seen = location_3d_to_region_2d(region, view, Vector(place))
+    return math.inf if seen is None else (seen - Vector(mouse)).length
+
+
+def pin_under(
+    region: bpy.types.Region,
+    view: bpy.types.RegionView3D,
+    pins: Iterable[PinPlace],
+    mouse: Sequence[float],
+) -> int | None:
+    """The index of the pin that the mouse is on, of several the nearest; None if it is on none."""
+    reach = REACH * bpy.context.preferences.system.ui_scale
+    distances = [(pixels_to(region, view, pin.place, mouse), pin.key) for pin in pins]
+    nearest = min(distances, default=(math.inf, -1))
+    return nearest[1] if nearest[0] <= reach else None
+
+
+def ring_about(obj: bpy.types.Object, pins: Iterable[PinPlace]) -> Ring | None:
+    """The ring about the selected pins of an object that hold it; None for a point alone and for none."""
+    settings = obj.planar.pins
+    chosen = [pin for pin in pins if settings[pin.key].select and settings[pin.key].enabled]
+    if len(chosen) > 1:
+        return Ring(np.mean([pin.target for pin in chosen], axis=0), None)
+    if chosen and settings[chosen[0].key].kind == "PATCH":
+        return Ring(chosen[0].target, chosen[0])
+    return None
+
+
+def on_ring(
+    region: bpy.types.Region, view: bpy.types.RegionView3D, ring: Ring, mouse: Sequence[float]
+) -> bool:
+    """Whether the mouse is on the ring."""
+    scale = bpy.context.preferences.system.ui_scale
+    return abs(pixels_to(region, view, ring.centre, mouse) - RING * scale) <= NEAR_RING * scale

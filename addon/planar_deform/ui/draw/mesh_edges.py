@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh's edges while the Pose tool is active."""
+
+from __future__ import annotations
+
+import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
+
+from ...scene.view import snapshot
+from ..tool.tool_state import pose_tool_is_active
+
+CLASSES = ()
+
+EDGES = (0.05, 0.05, 0.06, 0.45)
+
+_handle: object | None = None
+
+
+def _draw() -> None:
+    context = bpy.context
+    if not pose_tool_is_active(context) or not context.space_data.overlay.show_overlays:
+        return
+    if context.object is None or not context.object.planar.show_mesh:
+        return
+    seen = snapshot.of_active(context)
+    if seen is None or not len(seen.edges):
+        return
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    batch = batch_for_shader(shader, "LINES", {"pos": seen.points.astype("float32")}, indices=seen.edges)
+    shader.bind()
+    shader.uniform_float("color", EDGES)
+    gpu.state.blend_set("ALPHA")
+    batch.draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def register() -> None:
+    global _handle
+    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+
+
+def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+    _handle = None

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Onion skin: outlines of the poses keyed before and behind the present frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix
+
+from ...scene.view import onion
+from ...scene.view.onion import Onion
+
+CLASSES = ()
+
+# Green and blue as Grease Pencil's, lighter, to be seen on a dark view as well.
+BEFORE = (0.22, 0.68, 0.20, 0.9)
+BEHIND = (0.30, 0.42, 1.0, 0.9)
+WIDTH = 1.75  # pixels at a UI scale of 1
+
+
+@dataclass(frozen=True)
+class _Made:
+    """What the graphics card has for one onion."""
+
+    onion: Onion
+    skins: tuple[tuple[tuple, gpu.types.GPUBatch], ...]  # colour and outline of each
+
+
+_made: _Made | None = None
+_handle: object | None = None
+
+
+def _draw() -> None:
+    global _made
+    context = bpy.context
+    if not context.space_data.overlay.show_overlays or context.screen.is_animation_playing:
+        return  # as Grease Pencil does: the motion is to be seen
+    seen = onion.of_active(context)
+    if seen is None or not context.object.visible_get(viewport=context.space_data):
+        return
+    pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    if _made is None or _made.onion is not seen:
+        shapes = (BEFORE, seen.before), (BEHIND, seen.behind)
+        _made = _Made(
+            seen,
+            tuple(
+                (colour, batch_for_shader(pen, "LINES", {"pos": shape[seen.edges.ravel()]}))
+                for colour, shape in shapes
+                if shape is not None
+            ),
+        )
+    pen.bind()
+    pen.uniform_float("lineWidth", WIDTH * context.preferences.system.ui_scale)
+    pen.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    gpu.state.blend_set("ALPHA")
+    with gpu.matrix.push_pop():
+        gpu.matrix.multiply_matrix(Matrix(context.object.matrix_world))
+        for colour, skin in _made.skins:
+            pen.uniform_float("color", colour)
+            skin.draw(pen)
+    gpu.state.blend_set("NONE")
+
+
+def register() -> None:
+    global _handle
+    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+
+
+def unregister() -> None:
+    global _handle, _made
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+    _handle = _made = None

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of keyed poses in the sidebar tab."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import bpy
+
+from ...scene.objects.any_object import is_outline, shape_refusal
+from ...scene.sequence import pose_list, sequence, stretches
+from .pins_panel import PlanarPanel, lines
+
+
+class PLANAR_UL_poses(bpy.types.UIList):
+    bl_idname = "PLANAR_UL_poses"
+
+    stale: ClassVar[set[int]] = set()  # poses behind which in-betweens are to be generated again
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_propname, index):
+        frames = sequence.frames_of(item.id_data, index)
+        here = context.scene.frame_current_final in frames
+        row = layout.row(align=True)
+        row.prop(item, "name", text="", emboss=False, icon="KEYFRAME_HLT" if here else "KEYFRAME")
+        if index in self.stale:
+            row.label(text="", icon="FILE_REFRESH")
+        side = row.row(align=True)
+        side.ui_units_x = 3.5
+        side.alignment = "RIGHT"
+        if len(frames) == 1 and frames[0] == round(frames[0]):
+            side.prop(item, "frame", text="", emboss=False)
+        else:
+            side.label(text=", ".join(f"{frame:g}" for frame in frames) if frames else "no frame")
+
+
+class PLANAR_MT_pose(bpy.types.Menu):
+    bl_label = "Pose"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator("planar.update_pose", text="Update to What Is Shown", icon="FILE_REFRESH")
+        layout.operator("planar.duplicate_pose", text="Duplicate to Current Frame", icon="DUPLICATE")
+        layout.operator("planar.retime_pose", text="Move to Current Frame", icon="TIME")
+        layout.separator()
+        layout.operator("planar.clear_poses", icon="TRASH")
+
+
+class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
+    bl_label = "Poses"
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type in {"MESH", "CURVE"}
+
+    def draw(self, context):
+        layout = self.layout
+        obj = context.object
+        stale = stretches.stale(obj)
+        if sequence.has_blocks(obj):
+            PLANAR_UL_poses.stale = {before for before, _ in stale}
+            row = layout.row()
+            row.template_list("PLANAR_UL_poses", "", obj.planar, "poses", obj.planar, "active_pose", rows=5)
+            column = row.column(align=True)
+            column.operator("planar.jump_to_pose", text="", icon="EYEDROPPER").pose = -1
+            column.operator("planar.delete_pose", text="", icon="REMOVE").pose = -1
+            column.separator()
+            column.menu("PLANAR_MT_pose", text="", icon="DOWNARROW_HLT")
+            column.separator()
+            column.prop(obj.planar, "show_onion", text="", icon="ONIONSKIN_ON")
+        row = layout.row(align=True)
+        row.operator("planar.key_pose", icon="KEY_HLT")
+        row.operator("planar.record_pins", icon="REC")
+        row = layout.row(align=True)
+        row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
+        row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
+        row.operator("planar.mirror_pose", text="Mirror", icon="MOD_MIRROR")
+        if sequence.has_blocks(obj):
+            column = layout.column(align=True)
+            column.operator("planar.breakdown", icon="ARROW_LEFTRIGHT")
+            row = column.row(align=True)
+            row.operator("planar.generate_inbetweens", icon="IPO_EASE_IN_OUT")
+            if stretches.has_inbetweens(obj):
+                row.operator("planar.remove_inbetweens", text="", icon="X")
+        note = _note(obj) or _stale_note(obj, stale)
+        if note is not None:
+            lines(layout, note, "INFO", context)
+
+
+class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
+    bl_label = "In-Betweens"
+    bl_parent_id = "PLANAR_PT_poses"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = -1
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and sequence.is_ours(context.object)
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.object.planar
+        row = layout.row(align=True)
+        step = pose_list.step_of(context.object)
+        for frames, name in ((1, "On Ones"), (2, "On Twos"), (3, "On Threes")):
+            row.operator("planar.step_poses", text=name, depress=step == frames).step = frames
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column()
+        column.row().prop(settings, "anchor_path", expand=True)
+        column.prop(settings, "smooth")
+        if settings.active_pose < len(settings.poses) - 1:
+            pose = settings.poses[settings.active_pose]
+            column.prop(pose, "turns", text=f"Turns after {pose.name}")
+            if pose.edited:
+                text = f"Edited behind {pose.name}: kept as long as its poses stay"
+                lines(layout, text, "INFO", context)
+
+
+def _note(obj):
+    """What the user should know of the object's poses."""
+    if obj.mode == "EDIT" and sequence.is_ours(obj):
+        return f"Edit Mode edits the shape key that is active: '{obj.active_shape_key.name}'"
+    if sequence.unkeyed(obj):
+        return "The pose shown is not keyed: the next frame change takes it away"
+    reason = shape_refusal(obj)
+    if reason is None:
+        return sequence.refusal(obj)
+    return reason if is_outline(obj) else None  # of a mesh with faces the pins' panel says it
+
+
+def _stale_note(obj, stale):
+    """Which in-betweens are not those of the poses."""
+    if not stale:
+        return None
+    poses = obj.planar.poses
+    ways = [f"{poses[before].name} to {poses[after].name}" for before, after in stale[:3]]
+    more = f" and {len(stale) - 3} more" if len(stale) > 3 else ""
+    return f"Out of date: {', '.join(ways)}{more}. Generate In-Betweens fills them anew"
+
+
+CLASSES = (PLANAR_UL_poses, PLANAR_MT_pose, PLANAR_PT_poses, PLANAR_PT_inbetweens)

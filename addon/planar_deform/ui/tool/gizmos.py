@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins under the mouse, and the ring that turns them: gizmos that light up and start a drag when pressed."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Matrix, Vector
+
+from ...scene.view import snapshot
+from ...scene.view.mouse import REACH, RING, on_ring, pin_under, pixels_to, ring_about
+from ..draw import marks
+from .tool_state import pose_tool_is_active
+
+SHOWN_GAP = 3.0  # pixels from its target below which a pin counts as there
+BESIDE_KNOB = 24.0  # pixels from the ring to the angle written beside it
+
+
+class PLANAR_GT_pin(bpy.types.Gizmo):
+    bl_idname = "PLANAR_GT_pin"
+
+    # The pin's index; where it is now, if anywhere; and where all pins of the view are.
+    __slots__ = ("all_marks", "key", "mark")
+
+    def test_select(self, context, location):
+        """Whether the mouse is on this pin and on no other one more closely."""
+        if self.mark is None:
+            return -1
+        own = _distance(context, self.mark.place, location)
+        if own > REACH * context.preferences.system.ui_scale:
+            return -1
+        nearer = (_distance(context, mark.place, location) < own for mark in self.all_marks)
+        return -1 if any(nearer) else 0
+
+    def draw(self, context):
+        settings = context.object.planar
+        if self.mark is None or self.key >= len(settings.pins):
+            return
+        pin, mark = settings.pins[self.key], self.mark
+        region, view = context.region, context.region_data
+        place = location_3d_to_region_2d(region, view, Vector(mark.place))
+        if place is None:
+            return
+        scale = context.preferences.system.ui_scale
+        fill = marks.SELECTED if pin.select else marks.PLAIN
+        if not pin.enabled:
+            fill = tuple(0.5 * (a + b) for a, b in zip(fill, marks.OFF, strict=True))
+        state = {"lit": self.is_highlight, "active": settings.active_pin == self.key}
+        with marks.pixels(region):
+            target = location_3d_to_region_2d(region, view, Vector(mark.target))
+            if target is not None and (target - place).length > SHOWN_GAP * scale:
+                marks.draw_gap(place, target, scale)
+            if pin.kind == "PATCH":
+                marks.draw_patch(place, _seen(context, mark.place, mark.turned), scale, fill, **state)
+            else:
+                marks.draw_point(place, scale, fill, **state)
+
+
+class PLANAR_GT_ring(bpy.types.Gizmo):
+    bl_idname = "PLANAR_GT_ring"
+
+    # What the ring is about, if anything; and where all pins of the view are.
+    __slots__ = ("all_marks", "ring")
+
+    def test_select(self, context, location):
+        """Whether the mouse is on the ring and on no pin."""
+        if self.ring is None:
+            return -1
+        region, view = context.region, context.region_data
+        if pin_under(region, view, self.all_marks, location) is not None:
+            return -1
+        return 0 if on_ring(region, view, self.ring, location) else -1
+
+    def draw(self, context):
+        if self.ring is None:
+            return
+        region, ring, patch = context.region, self.ring, self.ring.patch
+        centre = location_3d_to_region_2d(region, context.region_data, Vector(ring.centre))
+        if centre is None:
+            return
+        knob = Vector((0.0, 1.0)) if patch is None else _seen(context, ring.centre, patch.turned)
+        scale = context.preferences.system.ui_scale
+        with marks.pixels(region):
+            marks.draw_ring(centre, RING * scale, knob, scale, lit=self.is_highlight or self.is_modal)
+            if patch is not None:
+                x, y = centre + (RING + BESIDE_KNOB) * scale * knob
+                y -= 0.35 * marks.TEXT * scale  # from the middle of the letters to their foot
+                marks.draw_text(x, y, f"{math.degrees(patch.angle):.1f}°", scale, centred=True)
+
+
+class PLANAR_GGT_pins(bpy.types.GizmoGroup):
+    bl_idname = "PLANAR_GGT_pins"
+    bl_label = "Pins"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"3D", "SCALE", "PERSISTENT", "SHOW_MODAL_ALL"}
+
+    @classmethod
+    def poll(cls, context):
+        return pose_tool_is_active(context)
+
+    def setup(self, context):
+        self.all_marks = []
+        self.pins = []
+        self.ring = self.gizmos.new(PLANAR_GT_ring.bl_idname)
+        self.ring.all_marks = self.all_marks
+        self.ring.target_set_operator("planar.rotate_pins").release_confirm = True
+        self.ring.use_draw_modal = True
+        self._match(context)
+
+    def refresh(self, context):
+        self._match(context)
+
+    def draw_prepare(self, context):
+        self._match(context)
+
+    def _match(self, context):
+        """A gizmo for each pin, where the pin is, and the ring. What is left over is hidden, not removed: the
+        one under the mouse may be among them. While the timeline plays nothing is read for them: a large mesh
+        would slow it down."""
+        seen = None if context.screen.is_animation_playing else snapshot.of_active(context)
+        self.all_marks[:] = [] if seen is None else seen.pins
+        found = {mark.key: mark for mark in self.all_marks}
+        while len(self.pins) <= max(found, default=-1):
+            gizmo = self.gizmos.new(PLANAR_GT_pin.bl_idname)
+            gizmo.key, gizmo.all_marks = len(self.pins), self.all_marks
+            gizmo.target_set_operator("planar.drag_pins").pin = gizmo.key
+            gizmo.use_draw_modal = True
+            self.pins.append(gizmo)
+        for gizmo in self.pins:
+            gizmo.mark = found.get(gizmo.key)
+            gizmo.hide = gizmo.mark is None
+            if gizmo.mark is not None:
+                gizmo.matrix_basis = Matrix.Translation(Vector(gizmo.mark.place))
+        self.ring.ring = ring = ring_about(context.object, self.all_marks) if self.all_marks else None
+        self.ring.hide = ring is None
+        if ring is not None:
+            self.ring.matrix_basis = Matrix.Translation(Vector(ring.centre))
+
+
+def _distance(context, place, mouse):
+    """How many pixels the mouse is from a place in the world."""
+    return pixels_to(context.region, context.region_data, place, mouse)
+
+
+def _seen(context, place, direction):
+    """Where a direction at a place in the world points on the screen, with length 1."""
+    region, view = context.region, context.region_data
+    start = location_3d_to_region_2d(region, view, Vector(place))
+    end = location_3d_to_region_2d(region, view, Vector(place + 0.01 * view.view_distance * direction))
+    points = start is not None and end is not None and end != start
+    return (end - start).normalized() if points else Vector((1.0, 0.0))
+
+
+CLASSES = (PLANAR_GT_pin, PLANAR_GT_ring, PLANAR_GGT_pins)
+
+
+def unregister() -> None:
+    marks.forget()

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The state of a drag. Mouse points are powers of two apart, so that results are exact."""
+
+import math
+
+import pytest
+
+from planar_deform.model.input.drag import PRECISE, Drag
+
+LETTERS = ("X", "Z")
+
+
+def move(start: tuple[float, float] = (1.0, 2.0)) -> Drag:
+    return Drag.begin("MOVE", LETTERS, (0.0, 0.0), start)
+
+
+def rotate(start: tuple[float, float] = (3.0, 1.0)) -> Drag:
+    return Drag.begin("ROTATE", LETTERS, (1.0, 1.0), start)
+
+
+def press(drag: Drag, *keys: str) -> Drag:
+    for key in keys:
+        after = drag.pressed(key)
+        assert after is not None, key
+        drag = after
+    return drag
+
+
+def test_an_offset_is_where_the_mouse_is_less_where_it_began() -> None:
+    assert move().sample == (0.0, 0.0, 0.0)
+    assert move().moved((1.5, 1.0)).sample == (0.5, -1.0, 0.0)
+
+
+def test_returning_the_mouse_returns_exactly() -> None:
+    drag = move((0.1, 0.2))
+    for point in ((0.7, 0.3), (1e6, -3.3), (0.1, 0.2)):
+        drag = drag.moved(point)
+    assert drag.sample == (0.0, 0.0, 0.0)
+    turn = rotate((0.3, 0.1))
+    for point in ((0.1, 7.0), (-5.0, 0.5), (0.3, 0.1)):
+        turn = turn.moved(point)
+    assert turn.sample == (0.0, 0.0, 0.0)
+
+
+def test_shift_neither_jumps_when_pressed_nor_when_released() -> None:
+    drag = move().moved((2.0, 4.0))
+    precise = drag.held(shift=True, ctrl=False)
+    assert precise.sample == drag.sample
+    finer = precise.moved((4.0, 4.0))
+    assert finer.sample == pytest.approx((1.0 + 2.0 * PRECISE, 2.0, 0.0))
+    coarse = finer.held(shift=False, ctrl=False)
+    assert coarse.sample == finer.sample
+    assert coarse.moved((5.0, 4.0)).sample == pytest.approx((2.0 + 2.0 * PRECISE, 2.0, 0.0))
+    turned = rotate().moved((1.0, 3.0))
+    assert (
+        turned.held(shift=True, ctrl=False).sample == turned.sample == pytest.approx((0.0, 0.0, math.pi / 2))
+    )
+
+
+def test_ctrl_snaps_and_lets_go_again() -> None:
+    drag = Drag.begin("MOVE", LETTERS, (0.0, 0.0), (0.0, 0.0), 0.5).moved((1.3, -0.2))
+    snapped = drag.held(shift=False, ctrl=True)
+    assert snapped.sample == (1.5, 0.0, 0.0)
+    assert snapped.moved((1.2, -0.3)).sample == (1.0, -0.5, 0.0)
+    assert press(snapped, "Z").sample == (0.0, 0.0, 0.0)
+    assert press(snapped, "ONE").sample == (1.0, 0.0, 0.0), "a typed number is what it is"
+    assert snapped.held(shift=False, ctrl=False).sample == drag.sample
+    assert drag.held(shift=True, ctrl=True).moved((2.3, -0.2)).sample == pytest.approx((1.4, -0.2, 0.0))
+    turned = rotate().moved((1.0 + 2.0 * math.cos(0.3), 1.0 + 2.0 * math.sin(0.3)))
+    assert turned.held(shift=False, ctrl=True).sample[2] == pytest.approx(math.radians(15.0))
+    assert turned.held(shift=True, ctrl=True).sample[2] == pytest.approx(math.radians(17.0))
+
+
+def test_a_changed_view_moves_nothing_by_itself() -> None:
+    drag = move().moved((2.0, 4.0)).seen_from_elsewhere((-7.0, 9.0))
+    assert drag.sample == (1.0, 2.0, 0.0)
+    assert drag.moved((-6.0, 9.0)).sample == (2.0, 2.0, 0.0)
+    turned = rotate().moved((1.0, 3.0)).seen_from_elsewhere((1.0, 0.0))
+    assert turned.sample == pytest.approx((0.0, 0.0, math.pi / 2))
+    assert turned.moved((2.0, 1.0)).sample == pytest.approx((0.0, 0.0, math.pi))
+
+
+def test_a_lock_keeps_one_axis_and_the_same_key_frees_it() -> None:
+    drag = move().moved((2.0, 4.0))
+    assert press(drag, "X").sample == (1.0, 0.0, 0.0)
+    assert press(drag, "Z").sample == (0.0, 2.0, 0.0)
+    assert press(drag, "X", "Z").sample == (0.0, 2.0, 0.0)
+    assert press(drag, "X", "X").sample == (1.0, 2.0, 0.0)
+    assert drag.pressed("Y") is None, "not an axis of this plane"
+    assert rotate().pressed("X") is None, "a turn in a plane has one axis"
+
+
+def test_turns_add_up_beyond_a_half() -> None:
+    drag = rotate()
+    for step in range(1, 25):  # one and a half times round
+        angle = step * math.tau / 16
+        drag = drag.moved((1.0 + 2.0 * math.cos(angle), 1.0 + 2.0 * math.sin(angle)))
+    assert drag.sample[2] == pytest.approx(1.5 * math.tau)
+
+
+def test_typed_numbers_rule_over_the_mouse() -> None:
+    drag = press(move().moved((2.0, 4.0)), "THREE", "TAB", "MINUS", "ONE")
+    assert drag.sample == (3.0, -1.0, 0.0)
+    assert drag.moved((9.0, 9.0)).sample == (3.0, -1.0, 0.0)
+    assert press(move(), "Z", "THREE").sample == (0.0, 3.0, 0.0)
+    assert press(rotate(), "NINE", "ZERO").sample == (0.0, 0.0, math.pi / 2)
+    assert press(drag, *["BACK_SPACE"] * 4).sample == (1.0, 2.0, 0.0), "all erased: the mouse again"
+    assert move().pressed("BACK_SPACE") is None
+    assert move().pressed("TAB") is None
+
+
+def test_the_text_names_what_happens() -> None:
+    assert move().moved((1.5, 2.0)).text == "Move Pins: X: 0.5000   Z: 0.0000   (0.5000)"
+    assert press(move().moved((1.5, 2.0)), "X").text == "Move Pins: X: 0.5000   (0.5000) along X"
+    assert press(move(), "ONE", "TAB").text == "Move Pins: X: 1   Z: |   (1.0000)"
+    assert press(rotate(), "FOUR", "FIVE").text == "Turn Pins: 45|°"

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Recorded motion: samples by frame, smoothing, and which poses are kept."""
+
+import numpy as np
+import pytest
+from cutouts import grid_cutout, pin
+
+from planar_deform.model.input.recording import Poses, Recording, smoothed
+from planar_deform.model.posing import solver_cache
+from planar_deform.model.posing.pose_action import PoseAction
+
+
+def test_frames_lie_between_samples_in_proportion_to_time():
+    recording = Recording()
+    recording.add(2.0, (1.0, 0.0, 0.0))
+    recording.add(2.5, (1.0, 4.0, 0.0))
+    recording.add(4.5, (3.0, 4.0, 0.0))
+    path = recording.by_frame(4)
+    assert path == [(0, 0, 0), (0.5, 0, 0), (1, 0, 0), (1.5, 4, 0), (2.5, 4, 0)]
+
+
+def test_the_last_sample_holds_beyond_its_time():
+    recording = Recording()
+    recording.add(1.0, (1.0, 2.0, 0.0))
+    assert recording.by_frame(3)[1:] == [(1.0, 2.0, 0.0)] * 3
+
+
+def test_smoothing_takes_the_jitter_and_leaves_ends_and_straight_motion():
+    rng = np.random.default_rng(3)
+    straight = [(float(np.float32(0.1 * k)), 0.0, 0.0) for k in range(40)]
+    assert np.array(smoothed(straight, 2.0)) == pytest.approx(np.array(straight), abs=1e-6)
+    jitter = [(du, float(np.float32(0.05 * rng.standard_normal())), 0.0) for du, _, _ in straight]
+    smooth = smoothed(jitter, 2.0)
+    assert smooth[0] == pytest.approx(jitter[0])
+    assert smooth[-1] == pytest.approx(jitter[-1])
+    rough = np.abs(np.diff(np.array(jitter)[:, 1], 2)).max()
+    assert np.abs(np.diff(np.array(smooth)[:, 1], 2)).max() < 0.25 * rough
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("frames", [0.0, 0.5, 30.0])
+def test_short_paths_and_any_smoothing_are_fine(count, frames):
+    path = [(float(k), 0.0, 0.0) for k in range(count)]
+    smooth = smoothed(path, frames)
+    assert len(smooth) == count
+    assert smooth[0] == pytest.approx(path[0])
+    assert smooth[-1] == pytest.approx(path[-1])
+    assert np.isfinite(smooth).all()
+
+
+@pytest.mark.parametrize(
+    ("frame_step", "kept"), [(1, [0, 1, 2, 3, 4, 5]), (2, [0, 2, 4, 5]), (5, [0, 5]), (9, [0, 5])]
+)
+def test_kept_poses_are_every_step_and_the_last(frame_step, kept):
+    cutout = grid_cutout(8, 3)
+    action = PoseAction(
+        cutout,
+        cutout.rest,
+        [pin([9], key=0), pin([17], key=1)],
+        {1},
+        lambda: solver_cache.poser_for(1, cutout, "hold", cutout.rest),
+    )
+    path = [(0.0, float(np.float32(0.2 * frame)), 0.0) for frame in range(6)]
+    poses = Poses(path, frame_step)
+    assert poses.share == 0.0
+    for sample in poses.samples:
+        action.move(*sample)
+        poses.seen(action.solved())
+    assert poses.share == 1.0
+    assert list(poses.by_frame) == kept
+    for frame, positions in poses.by_frame.items():
+        assert positions[17] == pytest.approx([8.0, 1.0 + 0.2 * frame], abs=5e-3)
+    assert np.array_equal(poses.last.positions, poses.by_frame[5])
