@@ -70,7 +70,7 @@ def _parsed(arguments: Sequence[str]) -> argparse.Namespace:
     add = parser.add_argument
     add("--object", action="append", metavar="NAME", help="may be repeated; by default all that have poses")
     add("--generate", action="store_true", help="generate the in-betweens")
-    add("--bake", choices=bake.FORMS, type=str.upper, help="bake to this")
+    add("--bake", choices=[form for form, _, _ in bake.FORMS], type=str.upper, help="bake to this")
     add("--filepath", help="file of a point cache; by default the object's own, beside the .blend")
     add("--replace", action="store_true", help="write the point cache even over another file")
     add("--free", action="store_true", help="remove the poses when they are in a point cache")

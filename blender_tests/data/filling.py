@@ -21,11 +21,10 @@ def bent(positions, rest, amount):
 
 def put(obj, shapes):
     """Key n x 2 positions by frame; what each frame shows then."""
-    from planar_deform.scene.objects.any_object import begin_shape
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.objects.any_object import begin_shape, key_poses
 
     activate(obj)
-    sequence.put(begin_shape(bpy.context), shapes)
+    key_poses(begin_shape(bpy.context), shapes)
     return {frame: shown(obj, frame) for frame in shapes}
 
 

@@ -78,13 +78,12 @@ def sheet(side: int) -> bpy.types.Object:
 
 
 def key(obj, turns: dict[float, float]) -> None:
-    from planar_deform.scene.objects.any_object import begin_shape
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.objects.any_object import begin_shape, key_poses
 
     activate(obj)
     scene = begin_shape(bpy.context)
     rest = scene.rest
-    sequence.put(scene, {frame: bent(rest, turn) for frame, turn in turns.items()})
+    key_poses(scene, {frame: bent(rest, turn) for frame, turn in turns.items()})
 
 
 def main() -> None:

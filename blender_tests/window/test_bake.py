@@ -16,7 +16,7 @@ def shot(window: Window, *, last: int) -> Generator[None, None, Path]:
     sheet()
     for frame, share in ((1, 0.0), (25, 0.5)):
         scene = addon("scene.objects.cutout_object").begin(bpy.context)
-        addon("scene.sequence.sequence").put(scene, {frame: scene.cutout.rest * (1.0 + share)})
+        addon("scene.objects.any_object").key_poses(scene, {frame: scene.cutout.rest * (1.0 + share)})
     bpy.context.scene.frame_end = last
     folder = Path(bpy.app.tempdir)
     for path in folder.glob("*.pc2"):

@@ -30,7 +30,7 @@ def motion(window: Window, *, cells: int = 50, last: int = LAST) -> Iterator[Non
     for frame, turn in ((1, 0.3), ((1 + last) // 2, 1.6), (last, -1.6)):
         scene = addon("scene.objects.cutout_object").begin(bpy.context)
         rest = scene.cutout.rest
-        addon("scene.sequence.sequence").put(scene, {frame: bent(rest - rest.mean(axis=0), turn)})
+        addon("scene.objects.any_object").key_poses(scene, {frame: bent(rest - rest.mean(axis=0), turn)})
     bpy.context.scene.frame_set(1)
     bpy.context.scene.frame_end = last
     bpy.ops.ed.undo_push(message="Test Scene")

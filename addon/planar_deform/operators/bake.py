@@ -10,27 +10,13 @@ from .. import compat
 from ..scene.motion import bake, point_cache
 from .modal.long_job import Job, LongOperator
 
-FORMS = (
-    (
-        "SHAPES",
-        "Shapes",
-        "A keyed pose for each frame: easing, steps and in-betweens become poses, which can be changed",
-    ),
-    ("POINT_CACHE", "Point Cache", "A .pc2 file that a Mesh Cache modifier plays, for long shots"),
-    (
-        "RELATIVE_KEYS",
-        "Relative Keys",
-        "A relative shape key for each frame, for export to other programs; the poses are taken away",
-    ),
-)
-
 
 class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
     bl_idname = "planar.bake"
     bl_label = "Bake"
     bl_description = "Keep what the poses show, with their timing and in-betweens, frame by frame"
 
-    to: EnumProperty(name="To", description="What the frames become", items=FORMS)
+    to: EnumProperty(name="To", description="What the frames become", items=bake.FORMS)
     # Of the next bake, perhaps of another object, nothing here is taken for granted.
     frame_start: IntProperty(
         name="First Frame",
@@ -73,7 +59,7 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        chosen = next(text for form, _, text in FORMS if form == properties.to)
+        chosen = next(text for form, _, text in bake.FORMS if form == properties.to)
         return f"{cls.bl_description}: {chosen[0].lower()}{chosen[1:]}"
 
     def invoke(self, context, event):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..scene.objects.any_object import begin_shape
+from ..scene.objects.any_object import begin_shape, key_poses
 from ..scene.sequence import pose_blocks, sequence
 
 
@@ -15,7 +15,7 @@ def key_shown(context: bpy.types.Context, *, kind: str | None = None) -> None:
     `kind`: the type of the key, one of Blender's; by default it keeps the one it has.
     """
     scene, frame = begin_shape(context), context.scene.frame_current_final
-    sequence.put(scene, {frame: scene.positions})
+    key_poses(scene, {frame: scene.positions})
     if kind is not None:
         pose_blocks.set_key_type(context.object.data.shape_keys, frame, kind)
 

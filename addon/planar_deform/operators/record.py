@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from ..errors import Refusal
 from ..model.input.recording import Poses, Recording, smoothed
 from ..model.posing.pose_action import Sample, Solved
+from ..scene.objects.any_object import key_poses
 from ..scene.objects.cutout_object import begin
 from ..scene.pins import pin_list
 from ..scene.sequence import sequence
@@ -199,7 +200,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         action.scene.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
         by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
-        sequence.put(action.scene, by_frame, throughout=True)
+        key_poses(action.scene, by_frame, throughout=True)
         solved = poses.last
         pin_list.store_results(context.object, begin(context), solved.results)
 

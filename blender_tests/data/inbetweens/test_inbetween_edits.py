@@ -84,8 +84,7 @@ def test_deleting_a_pose_joins_what_is_generated_on_its_sides(pose):
 
 
 def test_a_recording_over_in_betweens_takes_out_what_is_generated_in_its_range():
-    from planar_deform.scene.objects.any_object import begin_shape
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.objects.any_object import begin_shape, key_poses
 
     obj, poses = bent_bar()
     generate(obj)
@@ -95,7 +94,7 @@ def test_a_recording_over_in_betweens_takes_out_what_is_generated_in_its_range()
     scene = begin_shape(bpy.context)
     recorded = {frame: scene.positions + 0.01 * frame for frame in range(13, 31)}
     expected = {frame: scene.coordinates(positions) for frame, positions in recorded.items()}
-    sequence.put(scene, recorded, throughout=True)
+    key_poses(scene, recorded, throughout=True)
     assert len(obj.planar.poses) == 2 + len(recorded)
     assert counts(obj) == [11] + [0] * 17 + [18, 0]
     for frame in range(1, 50):

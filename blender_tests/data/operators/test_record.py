@@ -124,7 +124,7 @@ def test_without_a_path_nothing_changes(text):
 
 def test_a_refusal_leaves_frame_and_mesh(monkeypatch):
     from planar_deform.errors import Refusal
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.operators import record as operator
 
     def refuse(*_, **__):
         raise Refusal("that cannot be keyed")
@@ -138,7 +138,7 @@ def test_a_refusal_leaves_frame_and_mesh(monkeypatch):
     assert bpy.context.scene.frame_current == 7
     assert obj.data.shape_keys is None
     obj.planar.pins[1].select = True
-    monkeypatch.setattr(sequence, "put", refuse)
+    monkeypatch.setattr(operator, "key_poses", refuse)
     with pytest.raises(RuntimeError, match="cannot be keyed"):
         record(wave())
     assert bpy.context.scene.frame_current == 7

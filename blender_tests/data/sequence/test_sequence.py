@@ -185,11 +185,11 @@ def test_a_key_duplicated_in_the_dope_sheet_holds_its_pose_and_a_pose_keyed_on_i
     assert same(shown_at(obj, 35), shapes[25])
     assert frames(obj) == [[1], [25, 35], [49]]
     go_to(35)
+    from planar_deform.scene.objects.any_object import key_poses
     from planar_deform.scene.objects.cutout_object import begin
-    from planar_deform.scene.sequence import sequence
 
     scene = begin(bpy.context)
-    sequence.put(scene, {35: scene.positions + 0.25})
+    key_poses(scene, {35: scene.positions + 0.25})
     assert same(shown_at(obj, 25), shapes[25])
     assert np.abs(shown_at(obj, 35) - shapes[25]).max() == pytest.approx(0.25, abs=1e-6)
     assert frames(obj) == [[1], [25], [35], [49]]
@@ -220,8 +220,8 @@ def test_poses_at_fractions_of_frames():
 
 
 def test_many_poses_at_once_by_frame_step():
+    from planar_deform.scene.objects.any_object import key_poses
     from planar_deform.scene.objects.cutout_object import begin
-    from planar_deform.scene.sequence import sequence
 
     obj, shapes = keyed_bar((1, 200))
     activate(obj)
@@ -229,7 +229,7 @@ def test_many_poses_at_once_by_frame_step():
     scene = begin(bpy.context)
     put = {frame: scene.positions + 0.001 * frame for frame in range(10, 101, 3)}
     expected = {frame: scene.coordinates(positions) for frame, positions in put.items()}
-    sequence.put(scene, put)
+    key_poses(scene, put)
     assert len(obj.planar.poses) == 2 + len(put)
     for frame, shape in {**shapes, **expected}.items():
         assert same(shown_at(obj, frame), shape)
@@ -237,15 +237,15 @@ def test_many_poses_at_once_by_frame_step():
     scene = begin(bpy.context)
     over = {frame: scene.positions - 0.001 * frame for frame in range(50, 60)}
     expected |= {frame: scene.coordinates(positions) for frame, positions in over.items()}
-    sequence.put(scene, over)
+    key_poses(scene, over)
     assert len(obj.planar.poses) == 2 + len(expected)
     for frame, shape in {**shapes, **expected}.items():
         assert same(shown_at(obj, frame), shape)
 
 
 def test_poses_put_throughout_replace_what_is_keyed_between_them():
+    from planar_deform.scene.objects.any_object import key_poses
     from planar_deform.scene.objects.cutout_object import begin
-    from planar_deform.scene.sequence import sequence
 
     obj, shapes = keyed_bar((1, 10, 13, 16, 25, 40))
     curve = curve_of(obj)
@@ -256,21 +256,21 @@ def test_poses_put_throughout_replace_what_is_keyed_between_them():
     scene = begin(bpy.context)
     put = {frame: scene.positions + 0.01 * frame for frame in (10, 14, 18, 22)}
     expected = {frame: scene.coordinates(positions) for frame, positions in put.items()}
-    sequence.put(scene, put, throughout=True)
+    key_poses(scene, put, throughout=True)
     assert [frame for frame, *_ in timing(obj)] == [1, 10, 14, 18, 22, 25, 35, 40]
     assert sorted(frames(obj)) == [[1], [10], [14], [18], [22], [25], [35], [40]]
     for frame, shape in {1: shapes[1], **expected, 25: shapes[25], 35: shapes[13], 40: shapes[40]}.items():
         assert same(shown_at(obj, frame), shape)
     # and where that is all there was
     scene = begin(bpy.context)
-    sequence.put(scene, {0: scene.positions, 50: scene.positions + 0.1}, throughout=True)
+    key_poses(scene, {0: scene.positions, 50: scene.positions + 0.1}, throughout=True)
     assert frames(obj) == [[0], [50]]
     assert same(shown_at(obj, 0), shapes[40])
 
 
 def test_two_hundred_poses_of_five_thousand_vertices(tmp_path):
+    from planar_deform.scene.objects.any_object import key_poses
     from planar_deform.scene.objects.cutout_object import begin
-    from planar_deform.scene.sequence import sequence
 
     vertices, faces = grid(99, 49)
     obj = make_object(vertices, faces.tolist())
@@ -280,7 +280,7 @@ def test_two_hundred_poses_of_five_thousand_vertices(tmp_path):
         for frame in range(1, 201)
     }
     expected = {frame: scene.coordinates(positions) for frame, positions in waves.items()}
-    sequence.put(scene, waves)
+    key_poses(scene, waves)
     path = str(tmp_path / "long.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, compress=False)
     bpy.ops.wm.open_mainfile(filepath=path)
@@ -360,8 +360,8 @@ def test_cancelling_restores_to_the_bit():
 
 
 def test_an_unkeyed_action_leaves_the_keyed_pose_alone():
+    from planar_deform.scene.objects.any_object import key_poses
     from planar_deform.scene.objects.cutout_object import begin
-    from planar_deform.scene.sequence import sequence
 
     obj, shapes = keyed_bar()
     go_to(25)
@@ -374,7 +374,7 @@ def test_an_unkeyed_action_leaves_the_keyed_pose_alone():
     go_to(25)
     scene.restore()
     assert stored(obj) == before
-    sequence.put(scene, {frame: scene.positions + 0.01 * frame for frame in (26, 28)})
+    key_poses(scene, {frame: scene.positions + 0.01 * frame for frame in (26, 28)})
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
     assert frames(obj) == [[1], [25], [26], [28], [49]]
 

@@ -62,12 +62,11 @@ def do(obj, random):
         place = points[int(random.integers(len(points)))].co[1]
         points.insert(empty_frame(obj, random), place).interpolation = "LINEAR"
     elif what == "record":
-        from planar_deform.scene.objects.any_object import begin_shape
-        from planar_deform.scene.sequence import sequence
+        from planar_deform.scene.objects.any_object import begin_shape, key_poses
 
         scene, first = begin_shape(bpy.context), int(random.integers(-10, 70))
         shapes = {first + step: scene.positions + 0.01 * step for step in range(4)}
-        sequence.put(scene, shapes, throughout=True)
+        key_poses(scene, shapes, throughout=True)
     elif what == "generate" and bpy.ops.planar.generate_inbetweens.poll():
         try:
             bpy.ops.planar.generate_inbetweens(smooth=bool(random.integers(2)))

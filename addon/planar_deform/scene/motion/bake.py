@@ -21,7 +21,19 @@ from ..sequence.pose_blocks import keyed, own_curve
 from ..storage import points
 from . import point_cache
 
-FORMS = ("SHAPES", "POINT_CACHE", "RELATIVE_KEYS")
+FORMS = (
+    (
+        "SHAPES",
+        "Shapes",
+        "A keyed pose for each frame: easing, steps and in-betweens become poses, which can be changed",
+    ),
+    ("POINT_CACHE", "Point Cache", "A .pc2 file that a Mesh Cache modifier plays, for long shots"),
+    (
+        "RELATIVE_KEYS",
+        "Relative Keys",
+        "A relative shape key for each frame, for export to other programs; the poses are taken away",
+    ),
+)
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
@@ -52,7 +64,7 @@ def to(
     replace: bool = False,
     free: bool = False,
 ) -> Iterator[float]:
-    """Bake to one of FORMS; what is behind the frames is for point caches."""
+    """Bake to one of FORMS, by its identifier; what is behind the frames is for point caches."""
     if form == "POINT_CACHE":
         return to_point_cache(obj, frames, filepath, replace=replace, free=free)
     return to_shapes(obj, frames) if form == "SHAPES" else to_relative_keys(obj, frames)

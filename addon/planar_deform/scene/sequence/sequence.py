@@ -29,7 +29,6 @@ refused.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -55,9 +54,6 @@ from .pose_blocks import (
     shown_curve,
     take_out,
 )
-
-if TYPE_CHECKING:
-    from ..objects.any_object import SceneShape
 
 ON_A_COPY = "work on a copy of the object, with Apply All in the Shape Keys panel's menu"
 
@@ -190,16 +186,6 @@ def keyed_pose_shown(obj: bpy.types.Object, frame: float) -> bpy.types.ShapeKey 
 
 
 # -- writing
-
-
-def put(scene: SceneShape, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
-    """Key poses: n x 2 positions of the cutout by frame, as put_coordinates() does it.
-
-    `scene` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
-    """
-    obj = scene.resolve()
-    coordinates = {frame: scene.coordinates(positions) for frame, positions in shapes.items()}
-    playback.run(put_coordinates(obj, coordinates, scene.rest_coordinates(), throughout=throughout))
 
 
 def put_coordinates(

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from ...operators.bake import FORMS
 from ...scene.motion import point_cache
+from ...scene.motion.bake import FORMS
 from ...scene.sequence import sequence
 from .pins_panel import PlanarPanel
 
