@@ -20,7 +20,7 @@ matrix: ## The Blender tests in every supported Blender
 	@tools/setup.sh test
 	@$(PYTHON) tools/run_suites.py matrix $(if $(AFTER_TEST),--after-test)
 
-lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, and the add-on's registration
+lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, what imports what, and the add-on's registration
 	@tools/setup.sh lint
 	@tools/lint.sh
 
