@@ -30,7 +30,7 @@ from .scene import follow, properties
 from .scene.storage import digests
 from .scene.view import onion, snapshot
 from .ui.draw import mesh_edges, onion_skin, quality
-from .ui.panels import bake_panel, motion_panel, pins_panel, poses_panel
+from .ui.panels import bake_panel, motion_panel, pins_panel, poses_panel, posing_panel
 from .ui.tool import gizmos, pose_tool
 
 # Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
@@ -61,6 +61,7 @@ MODULES = (
     mesh_edges,
     onion_skin,
     pins_panel,
+    posing_panel,
     poses_panel,
     motion_panel,
     bake_panel,

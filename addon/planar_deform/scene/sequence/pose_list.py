@@ -12,7 +12,7 @@ from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage.points import read_block, update, write_block
 from . import playback, pose_curve, sequence
 from .playback import blocks_of, places_of, relay, sample_name
-from .pose_blocks import SPACING, block_at, keyed, own_curve
+from .pose_blocks import SPACING, block_at, keyed, own_curve, shown_curve
 from .pose_insertion import close_up, put_in, shown_before
 
 
@@ -132,7 +132,7 @@ def _block_of(obj: bpy.types.Object, pose: int) -> bpy.types.ShapeKey:
 
 def step_of(obj: bpy.types.Object) -> int:
     """For how many frames each one that is shown stays."""
-    curve = sequence.shown_curve(obj.data.shape_keys)
+    curve = shown_curve(obj.data.shape_keys)
     steps = [] if curve is None else [m for m in curve.modifiers if m.type == "STEPPED" and not m.mute]
     return round(steps[0].frame_step) if steps else 1
 

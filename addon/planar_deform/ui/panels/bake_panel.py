@@ -8,7 +8,7 @@ import bpy
 from ...scene.motion import point_cache
 from ...scene.motion.bake import FORMS
 from ...scene.sequence import sequence
-from .pins_panel import PlanarPanel
+from .tab import PlanarPanel
 
 ICONS = {"SHAPES": "SHAPEKEY_DATA", "POINT_CACHE": "FILE_CACHE", "RELATIVE_KEYS": "EXPORT"}
 

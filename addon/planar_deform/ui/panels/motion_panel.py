@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ...scene.sequence import sequence
-from .pins_panel import PlanarPanel
+from .tab import PlanarPanel
 
 
 class PLANAR_PT_motion(PlanarPanel, bpy.types.Panel):

@@ -9,7 +9,7 @@ import bpy
 
 from ...scene.objects.any_object import is_outline, shape_refusal
 from ...scene.sequence import pose_list, sequence, stretches
-from .pins_panel import PlanarPanel, lines
+from .tab import PlanarPanel, lines
 
 
 class PLANAR_UL_poses(bpy.types.UIList):
