@@ -22,7 +22,7 @@ from .errors import ObjectGone, Refusal
 from .scene.inbetweens import planning, writing
 from .scene.motion import bake, point_cache
 from .scene.objects.any_object import read_shape
-from .scene.sequence import sequence
+from .scene.sequence import pose_state
 
 COMMAND = "planar"
 DONE, FAILED, USAGE = 0, 1, 2
@@ -105,7 +105,7 @@ def _objects(names: Sequence[str] | None) -> list[str]:
 
 def _has_poses(obj: bpy.types.Object) -> bool:
     ours = obj.library is None and obj.override_library is None
-    return ours and obj.type in {"MESH", "CURVE"} and sequence.has_blocks(obj)
+    return ours and obj.type in {"MESH", "CURVE"} and pose_state.has_blocks(obj)
 
 
 def _work(name: str, options: argparse.Namespace) -> None:

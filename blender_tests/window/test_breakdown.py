@@ -43,7 +43,7 @@ def test_the_button_starts_it_the_mouse_slides_it_and_a_click_keys_it(window: Wi
     window.picture("breakdown")
     slid = shown()
     assert moved(slid, start_shape) > 0.2
-    assert addon("scene.sequence.sequence").unkeyed(active())
+    assert addon("scene.sequence.pose_state").unkeyed(active())
     yield from slide(window, -0.25)
     assert np.array_equal(shown(), start_shape), "back where it was, the shape is"
     yield from slide(window, 0.25)
@@ -195,7 +195,7 @@ def test_a_frame_change_or_undo_on_the_way_ends_it(window: Window) -> Iterator[N
         bpy.ops.ed.undo()
     yield from slide(window, 0.1)
     assert window.busy == []
-    assert not addon("scene.sequence.sequence").unkeyed(active())
+    assert not addon("scene.sequence.pose_state").unkeyed(active())
 
 
 def test_outside_of_the_poses_it_says_what_to_do(window: Window) -> Iterator[None]:

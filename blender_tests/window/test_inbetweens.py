@@ -100,7 +100,7 @@ def test_a_pose_on_a_generated_frame_is_unkeyed_and_lost_and_with_auto_key_keyed
     yield from go_to(13)
     yield from pull(window, 0.0, 0.8)
     assert moved(shown(), generated) > 0.3
-    assert addon("scene.sequence.sequence").unkeyed(active())
+    assert addon("scene.sequence.pose_state").unkeyed(active())
     yield from window.wait(0.5)
     window.picture("inbetweens_unkeyed")
     bpy.context.scene.frame_set(14)
@@ -111,7 +111,7 @@ def test_a_pose_on_a_generated_frame_is_unkeyed_and_lost_and_with_auto_key_keyed
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = False
     posed = shown()
     assert len(active().planar.poses) == 4
-    assert not addon("scene.sequence.sequence").unkeyed(active())
+    assert not addon("scene.sequence.pose_state").unkeyed(active())
     assert np.array_equal(at(13), posed)
     assert len(stale()) == 2
     yield from window.wait(0.5)

@@ -56,7 +56,7 @@ def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) ->
     yield from pull(window, 0.0, 0.7)
     edited = shown()
     assert moved(edited, poses[25]) > 0.3
-    assert not addon("scene.sequence.sequence").unkeyed(active())
+    assert not addon("scene.sequence.pose_state").unkeyed(active())
     yield from window.undo()
     assert np.array_equal(shown(), poses[25])
     yield from window.redo()
@@ -67,14 +67,14 @@ def test_a_drag_on_a_keyed_frame_edits_its_pose_and_is_undone(window: Window) ->
 
 
 def test_a_drag_elsewhere_is_unkeyed_undone_redone_and_lost_with_the_frame(window: Window) -> Iterator[None]:
-    sequence = addon("scene.sequence.sequence")
+    pose_state = addon("scene.sequence.pose_state")
     yield from three_poses(window)
     between = at(13)
     bpy.ops.ed.undo_push(message="Frame")
     yield
     yield from pull(window, 0.0, 0.7)
     unkeyed = shown()
-    assert sequence.unkeyed(active())
+    assert pose_state.unkeyed(active())
     assert moved(unkeyed, between) > 0.3
     yield from window.wait(0.5)
     window.picture("unkeyed")
@@ -89,10 +89,10 @@ def test_a_drag_elsewhere_is_unkeyed_undone_redone_and_lost_with_the_frame(windo
     assert np.array_equal(shown(), second)
     yield from key_pose(window)
     assert np.array_equal(shown(), second)
-    assert not sequence.unkeyed(active())
+    assert not pose_state.unkeyed(active())
     yield from window.undo()
     assert np.array_equal(shown(), second), "undoing the key leaves the pose that was keyed"
-    assert sequence.unkeyed(active())
+    assert pose_state.unkeyed(active())
     bpy.context.scene.frame_set(14)
     assert np.array_equal(at(13), between)
     yield

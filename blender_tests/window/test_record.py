@@ -11,9 +11,9 @@ from poses import LEFT, RIGHT, shown
 
 
 def keyed_frames() -> list[float]:
-    sequence = addon("scene.sequence.sequence")
+    pose_state = addon("scene.sequence.pose_state")
     return sorted(
-        frame for pose in range(len(active().planar.poses)) for frame in sequence.frames_of(active(), pose)
+        frame for pose in range(len(active().planar.poses)) for frame in pose_state.frames_of(active(), pose)
     )
 
 

@@ -46,7 +46,7 @@ def test_imports_against_the_direction(checked):
         "model.input.drag": ("import planar_native", "planar_native"),
         "scene.pins.pin_list": ("from ...operators import pins", "operators.pins"),
         "scene.motion.bake": ("def later():\n    from ...ui.draw import marks", "ui.draw.marks"),
-        "scene.storage.points": ("from ..sequence.sequence import is_ours", "scene.sequence.sequence"),
+        "scene.storage.points": ("from ..sequence.pose_state import is_ours", "scene.sequence.pose_state"),
         "scene.sequence.playback": (
             "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from ..objects import stiffness",
             "scene.objects.stiffness",

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ..scene.objects.any_object import begin_shape, key_poses
-from ..scene.sequence import pose_blocks, sequence
+from ..scene.sequence import pose_blocks, pose_state
 
 
 def key_shown(context: bpy.types.Context, *, kind: str | None = None) -> None:
@@ -29,13 +29,13 @@ def auto_key(context: bpy.types.Context) -> None:
     obj, tools = context.object, context.scene.tool_settings
     if not tools.use_keyframe_insert_auto:
         return
-    ours = sequence.is_ours(obj)
-    if ours and not sequence.unkeyed(obj):
+    ours = pose_state.is_ours(obj)
+    if ours and not pose_state.unkeyed(obj):
         return  # it went into a keyed pose
     frame = context.scene.frame_current_final
-    if tools.auto_keying_mode == "REPLACE_KEYS" and sequence.pose_at(obj, frame) is None:
+    if tools.auto_keying_mode == "REPLACE_KEYS" and pose_state.pose_at(obj, frame) is None:
         return
     if not ours and context.preferences.edit.use_keyframe_insert_available:
         return
-    if sequence.refusal(obj) is None:
+    if pose_state.refusal(obj) is None:
         key_shown(context)

@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, FloatProperty
 from ..scene.motion.sequence_edit import SequenceEdit, edit_refusal
 from ..scene.motion.thinning import Thinning, thin_refusal
 from ..scene.motion.transfer import Transfer, transfer_refusal
-from ..scene.sequence import sequence
+from ..scene.sequence import pose_state
 from .modal.long_job import Job, LongOperator
 
 
@@ -19,7 +19,7 @@ class MotionOperator(LongOperator):
     @classmethod
     def refusal(cls, context):
         obj = context.object
-        return super().refusal(context) or sequence.absence(obj) or sequence.refusal(obj)
+        return super().refusal(context) or pose_state.absence(obj) or pose_state.refusal(obj)
 
     @classmethod
     def repeats(cls, context) -> bool:

@@ -10,7 +10,7 @@ from ..errors import Refusal
 from ..scene.objects import modifiers
 from ..scene.objects.any_object import begin_shape
 from ..scene.objects.flat_object import settle
-from ..scene.sequence import pose_list, sequence
+from ..scene.sequence import pose_list, pose_state
 from .keying import key_shown
 from .posing_operator import ShapeOperator
 
@@ -23,7 +23,7 @@ class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
     @classmethod
     def refusal(cls, context):
         obj = context.object
-        return super().refusal(context) or modifiers.covering(obj) or sequence.refusal(obj)
+        return super().refusal(context) or modifiers.covering(obj) or pose_state.refusal(obj)
 
     def apply(self, context):
         key_shown(context)
@@ -34,7 +34,7 @@ class PoseListOperator(ShapeOperator):
 
     @classmethod
     def refusal(cls, context):
-        return super().refusal(context) or sequence.absence(context.object)
+        return super().refusal(context) or pose_state.absence(context.object)
 
 
 class OnePoseOperator(PoseListOperator):
@@ -62,7 +62,7 @@ class PLANAR_OT_delete_pose(OnePoseOperator, bpy.types.Operator):
     bl_description = "Take a pose and its keys away; with the last one, the object is as it was before them"
 
     def act(self, context, pose):
-        sequence.remove(context.object, pose)
+        pose_state.remove(context.object, pose)
 
 
 class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
@@ -72,10 +72,10 @@ class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
 
     def act(self, context, pose):
         obj = context.object
-        frames = sequence.frames_of(obj, pose)
+        frames = pose_state.frames_of(obj, pose)
         if not frames:
             raise Refusal(f"Pose '{obj.planar.poses[pose].name}' has no key on the curve: delete it")
-        sequence.activate(obj, pose)
+        pose_state.activate(obj, pose)
         frame = int(frames[0] // 1)
         context.scene.frame_set(frame, subframe=frames[0] - frame)
 
@@ -86,7 +86,7 @@ class PLANAR_OT_clear_poses(PoseListOperator, bpy.types.Operator):
     bl_description = "Take all poses away: the object is as it was before the first one was keyed"
 
     def apply(self, context):
-        sequence.clear(context.object)
+        pose_state.clear(context.object)
 
 
 class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):

@@ -15,7 +15,7 @@ from ..model.posing.pose_action import Sample, Solved
 from ..scene.objects.any_object import key_poses
 from ..scene.objects.cutout_object import begin
 from ..scene.pins import pin_list
-from ..scene.sequence import sequence
+from ..scene.sequence import pose_state
 from ..scene.view import snapshot
 from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, pack_path, unpack_path
@@ -55,7 +55,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context):
-        return super().refusal(context) or sequence.refusal(context.object)
+        return super().refusal(context) or pose_state.refusal(context.object)
 
     def execute(self, context):
         if not self.properties.is_property_set("frame"):

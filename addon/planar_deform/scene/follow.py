@@ -8,7 +8,7 @@ from bpy.app.handlers import persistent
 
 from ..model.posing import solver_cache
 from .pins.pin_list import sync
-from .sequence import sequence
+from .sequence import pose_state
 
 CLASSES = ()
 
@@ -38,12 +38,17 @@ def activate_shown_pose(scene, depsgraph):
     if any(window.screen.is_animation_playing for window in context.window_manager.windows):
         return
     obj = context.view_layer.objects.active
-    if obj is None or obj.type not in {"MESH", "CURVE"} or obj.mode != "OBJECT" or not sequence.is_ours(obj):
+    if (
+        obj is None
+        or obj.type not in {"MESH", "CURVE"}
+        or obj.mode != "OBJECT"
+        or not pose_state.is_ours(obj)
+    ):
         return
     if obj.library is None and obj.data.library is None:
-        pose = sequence.pose_at(obj, scene.frame_current_final)
+        pose = pose_state.pose_at(obj, scene.frame_current_final)
         if pose is not None and pose != obj.planar.active_pose:
-            sequence.activate(obj, pose)
+            pose_state.activate(obj, pose)
 
 
 @persistent

@@ -19,7 +19,7 @@ from bpy.props import (
 
 from ..errors import Refusal
 from .objects.any_object import shape_refusal
-from .sequence import pose_list, sequence
+from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
 
 KINDS = (
@@ -74,14 +74,14 @@ def _rename_block(pose: PlanarPose, _context: bpy.types.Context) -> None:
 
 
 def _frame_of(pose: PlanarPose) -> float:
-    frames = sequence.frames_at(pose.id_data, pose.at)
+    frames = pose_state.frames_at(pose.id_data, pose.at)
     return frames[0] if frames else 0.0
 
 
 def _retime(pose: PlanarPose, frame: float) -> None:
     """What cannot be done is not, as with any number that has its bounds."""
     obj = pose.id_data
-    if shape_refusal(obj) is None and sequence.is_ours(obj):
+    if shape_refusal(obj) is None and pose_state.is_ours(obj):
         index = next(index for index, other in enumerate(obj.planar.poses) if other.at == pose.at)
         with contextlib.suppress(Refusal):
             pose_list.retime(obj, index, frame)
@@ -91,7 +91,7 @@ class PlanarPose(bpy.types.PropertyGroup):
     """A keyed pose of the object's sequence."""
 
     name: StringProperty(name="Name", description="Name of the pose and its shape key", update=_rename_block)
-    at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see sequence/sequence.py
+    at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see scene/sequence/
     frame: FloatProperty(
         name="Frame",
         description="Frame at which the pose is shown: the first of its keys on the curve",

@@ -347,13 +347,13 @@ def test_poses_moved_past_one_another_in_the_dope_sheet_are_put_in_order():
 
 
 def test_an_unkeyed_pose_stays_shown():
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     obj, poses = bent_bar()
     unkeyed = write_over(obj, 13)
     for act in (generate, generate, remove):
         act(obj)
-        assert sequence.unkeyed(obj)
+        assert pose_state.unkeyed(obj)
         assert same(evaluated(obj), unkeyed)
     assert bpy.ops.planar.key_pose() == {"FINISHED"}
     assert same(shown(obj, 13), unkeyed)

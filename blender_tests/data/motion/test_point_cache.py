@@ -196,7 +196,7 @@ def test_a_cache_whose_folder_is_gone_is_put_beside_the_file_again(tmp_path):
 def test_a_bake_that_fails_or_is_stopped_leaves_nothing(tmp_path, monkeypatch):
     from planar_deform.errors import Refusal
     from planar_deform.scene.motion import bake as scene_bake
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     obj = keyed_bar()
     saved(tmp_path)
@@ -207,7 +207,7 @@ def test_a_bake_that_fails_or_is_stopped_leaves_nothing(tmp_path, monkeypatch):
         "RELATIVE_KEYS": lambda: scene_bake.to_relative_keys(obj, range(1, 9)),
     }
     before, content = stored(obj), (tmp_path / "Cutout_planar.pc2").read_bytes()
-    real = sequence.shape_at
+    real = pose_state.shape_at
 
     def fail(obj, frame):
         if frame == 7:
@@ -221,7 +221,7 @@ def test_a_bake_that_fails_or_is_stopped_leaves_nothing(tmp_path, monkeypatch):
             next(running)
         running.close()
         assert stored(obj) == before
-        monkeypatch.setattr(sequence, "shape_at", fail)
+        monkeypatch.setattr(pose_state, "shape_at", fail)
         assert "in the middle" in refused(obj, to)
         monkeypatch.undo()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["Cutout_planar.pc2", "shot.blend"]

@@ -30,13 +30,13 @@ def lengths(obj, shape):
 
 @pytest.mark.parametrize("plane", PLANES)
 def test_the_change_is_shown_at_its_frame_and_goes_on_to_all_others(plane):
-    from planar_deform.scene.sequence import sequence, stretches
+    from planar_deform.scene.sequence import pose_state, stretches
 
     obj = filled(plane=plane)
     before = shapes(obj)
     was, wanted = change(obj, 7)
     assert bpy.ops.planar.edit_sequence() == {"FINISHED"}
-    assert not sequence.unkeyed(obj)
+    assert not pose_state.unkeyed(obj)
     assert evaluated(obj) == pytest.approx(wanted, abs=2e-7)
     after = shapes(obj)
     assert after[7] == pytest.approx(wanted, abs=2e-7)

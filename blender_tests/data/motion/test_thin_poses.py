@@ -23,9 +23,9 @@ def recorded(frames=36, **options):
 
 
 def poses_at(obj):
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
-    return [sequence.frames_of(obj, pose) for pose in range(len(obj.planar.poses))]
+    return [pose_state.frames_of(obj, pose) for pose in range(len(obj.planar.poses))]
 
 
 def size(obj):
@@ -117,13 +117,13 @@ def test_stopped_and_closed_everything_is_as_it_was():
 
 
 def test_the_pose_that_is_shown_may_go():
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     obj = recorded()
     go_to(36)
     before = evaluated(obj)
     assert bpy.ops.planar.thin_poses(tolerance=0.03) == {"FINISHED"}
-    assert sequence.pose_at(obj, 36) is None
+    assert pose_state.pose_at(obj, 36) is None
     assert not same(evaluated(obj), before)
     assert same(evaluated(obj), shown_at(obj, 36))
     assert np.abs(evaluated(obj) - before).max() < 0.03 * size(obj)

@@ -67,13 +67,13 @@ def test_a_sequence_on_a_basis_of_the_users_own(keyed):
 
 
 def test_an_unkeyed_pose_is_lost_when_the_frame_changes(keyed):
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     obj, shapes = keyed
     go_to(13)
     shown = evaluated(obj)
     posed = write(obj, 7)
-    assert sequence.unkeyed(obj)
+    assert pose_state.unkeyed(obj)
     assert not same(posed, shown)
     assert same(shown_at(obj, 25), shapes[25])
     assert same(shown_at(obj, 13), shown)

@@ -119,7 +119,7 @@ def test_nothing_copied(monkeypatch):
 
 
 def test_pasted_into_a_pose_key_and_into_keyed_and_unkeyed_poses():
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     source = posed(name="Source")
     shape = coordinates(source.data.vertices)
@@ -136,13 +136,13 @@ def test_pasted_into_a_pose_key_and_into_keyed_and_unkeyed_poses():
     assert shown_at(keyed, 25) == pytest.approx(shape, abs=1e-6)
     go_to(13)
     paste(keyed)
-    assert sequence.unkeyed(keyed)
+    assert pose_state.unkeyed(keyed)
     assert evaluated(keyed) == pytest.approx(shape, abs=1e-6)
     assert same(shown_at(keyed, 1), first)
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
     go_to(13)
     paste(keyed)
-    assert not sequence.unkeyed(keyed)
+    assert not pose_state.unkeyed(keyed)
     assert shown_at(keyed, 13) == pytest.approx(shape, abs=1e-6)
 
 

@@ -24,9 +24,9 @@ def record(path, **options):
 
 
 def keyed_frames(obj):
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
-    return sorted(frame for pose in range(len(obj.planar.poses)) for frame in sequence.frames_of(obj, pose))
+    return sorted(frame for pose in range(len(obj.planar.poses)) for frame in pose_state.frames_of(obj, pose))
 
 
 def right_end(obj):

@@ -20,9 +20,9 @@ def names(obj):
 
 
 def frames(obj):
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
-    return [sequence.frames_of(obj, index) for index in range(len(obj.planar.poses))]
+    return [pose_state.frames_of(obj, index) for index in range(len(obj.planar.poses))]
 
 
 @pytest.mark.parametrize("plane", PLANES)
@@ -84,22 +84,22 @@ def test_posing_at_a_keyed_frame_edits_that_pose():
 
 @pytest.mark.parametrize("frame", [13, 60, -5, 25.5])
 def test_posing_elsewhere_is_lost_with_the_next_frame_unless_it_is_keyed(frame):
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     obj, shapes = keyed_bar()
     before = shown_at(obj, frame)
     unkeyed = write(obj, 7)
-    assert sequence.unkeyed(obj)
+    assert pose_state.unkeyed(obj)
     assert not same(unkeyed, before)
     go_to(frame + 1)
-    assert not sequence.unkeyed(obj)
+    assert not pose_state.unkeyed(obj)
     assert same(shown_at(obj, frame), before)
     assert all(same(shown_at(obj, at), shape) for at, shape in shapes.items())
     go_to(frame)
     again = write(obj, 8)
     assert bpy.ops.planar.key_pose() == {"FINISHED"}
     assert same(evaluated(obj), again)
-    assert not sequence.unkeyed(obj)
+    assert not pose_state.unkeyed(obj)
     assert same(shown_at(obj, frame), again)
     assert all(same(shown_at(obj, at), shape) for at, shape in shapes.items())
 
@@ -393,7 +393,7 @@ def test_reset_to_rest_and_the_poses_own_rest():
 
 
 def test_dragging_pins_at_keyed_and_other_frames():
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     obj, shapes = keyed_bar()
     go_to(25)
@@ -402,7 +402,7 @@ def test_dragging_pins_at_keyed_and_other_frames():
     assert np.abs(dragged - shapes[25]).max() > 0.2
     go_to(13)
     assert bpy.ops.planar.drag_pins(offset=(0.0, 0.3)) == {"FINISHED"}
-    assert sequence.unkeyed(obj)
+    assert pose_state.unkeyed(obj)
     assert same(shown_at(obj, 25), dragged)
     assert same(shown_at(obj, 1), shapes[1])
 
@@ -488,11 +488,11 @@ def test_a_sequence_whose_action_was_deleted_is_keyed_again():
 
 
 def test_all_shape_keys_removed_by_the_user():
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     obj, _ = keyed_bar()
     obj.shape_key_clear()
-    assert not sequence.is_ours(obj)
+    assert not pose_state.is_ours(obj)
     shape = key(obj, 5, 1)
     assert names(obj) == ["Pose"]
     assert same(shown_at(obj, 5), shape)

@@ -104,11 +104,11 @@ def test_a_shared_mesh_is_refused():
 
 def refused(obj):
     """The refusal of keying; nothing has changed and nothing can be keyed."""
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
 
     activate(obj)
     before = stored(obj)
-    reason = sequence.refusal(obj)
+    reason = pose_state.refusal(obj)
     assert reason is not None
     assert not bpy.ops.planar.key_pose.poll()
     assert stored(obj) == before

@@ -16,7 +16,7 @@ def bits(obj):
 
 
 def assert_whole(obj):
-    from planar_deform.scene.sequence import sequence
+    from planar_deform.scene.sequence import pose_state
     from planar_deform.scene.sequence.playback import blocks_of
 
     keys, poses = obj.data.shape_keys, obj.planar.poses
@@ -28,7 +28,7 @@ def assert_whole(obj):
     assert sum(pose.generated for pose in poses) == len(blocks) - len(poses)
     assert poses[-1].generated == 0
     for index in range(len(poses)):
-        for frame in sequence.frames_of(obj, index):
+        for frame in pose_state.frames_of(obj, index):
             assert same(shown_at(obj, frame), coordinates(keys.key_blocks[poses[index].name].data)), frame
 
 

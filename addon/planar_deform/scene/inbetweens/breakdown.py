@@ -12,7 +12,7 @@ from ...model.posing.pins import Holder
 from ..objects.any_object import begin_shape
 from ..objects.cutout_object import SceneCutout
 from ..pins import pin_list
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..sequence.neighbours import KeyedPose, around
 from ..view import snapshot
 from . import planning
@@ -20,7 +20,7 @@ from . import planning
 
 def refusal(obj: bpy.types.Object, frame: float) -> str | None:
     """Why there is no way at this frame, and what to do; None when there is one."""
-    before, behind = around(obj, frame) if sequence.is_ours(obj) else (None, None)
+    before, behind = around(obj, frame) if pose_state.is_ours(obj) else (None, None)
     if before is None or behind is None or before.at == behind.at:
         return "A breakdown lies between two keyed poses: key them, and go to a frame between them"
     return None
@@ -80,7 +80,7 @@ class Way:
 
     def _share_shown(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> float:
         """Where on the way the shape is that is shown at the start."""
-        if sequence.pose_at(obj, self.frame) is None and not sequence.unkeyed(obj):
+        if pose_state.pose_at(obj, self.frame) is None and not pose_state.unkeyed(obj):
             share = (obj.data.shape_keys.eval_time - before.at) / (behind.at - before.at)
             return min(max(share, 0.0), 1.0)
         return nearest_share(self._at, self.scene.positions)

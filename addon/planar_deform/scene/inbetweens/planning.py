@@ -24,7 +24,7 @@ from ...model.timing.order_of_time import Entry, frames_between
 from ...model.timing.played_curve import SAME_FRAME
 from ..objects.any_object import SceneShape, is_outline, shape_refusal
 from ..pins import pin_list
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
 from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
 from ..storage import digests
@@ -38,7 +38,7 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
     Cheap enough for polls.
     """
     reason = shape_refusal(obj)
-    if reason is None and (not sequence.is_ours(obj) or len(keyed(obj.data.shape_keys)) < 2):
+    if reason is None and (not pose_state.is_ours(obj) or len(keyed(obj.data.shape_keys)) < 2):
         return "Key two poses first: Key Pose at one frame, then another one at a later frame"
     return reason
 

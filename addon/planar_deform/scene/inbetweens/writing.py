@@ -14,7 +14,7 @@ from ...errors import ObjectGone, Refusal
 from ...model.plane.frame import Array
 from ...model.timing.played_curve import SAME_PLACE, Offsets, moved, offsets, remember
 from ..objects.any_object import SceneShape
-from ..sequence import playback, pose_curve, sequence
+from ..sequence import playback, pose_curve, pose_state
 from ..sequence.playback import Block, sample_name
 from ..sequence.pose_blocks import FIRST, SPACING, keyed, own_curve
 from ..sequence.stretches import Stamps, Stretch, stretches
@@ -33,7 +33,7 @@ def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Iterator[fl
     if [stretch.start.source for stretch in found] != plan.starts:
         raise ObjectGone(f"The poses of '{obj.name}' have changed meanwhile")
     blocks, starts = _blocks(obj, plan, found, shapes)
-    was_unkeyed = sequence.unkeyed(obj)
+    was_unkeyed = pose_state.unkeyed(obj)
 
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         obj.planar.anchor_path, obj.planar.smooth = plan.path, plan.smooth
@@ -41,7 +41,7 @@ def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Iterator[fl
         _expand(obj, plan, playback.places_of(blocks)[starts])
 
     yield from playback.relay(obj, blocks, then)
-    sequence.show(scene.resolve(), was_unkeyed)
+    pose_state.show(scene.resolve(), was_unkeyed)
 
 
 def remove(obj: bpy.types.Object) -> None:
@@ -49,7 +49,7 @@ def remove(obj: bpy.types.Object) -> None:
 
     Poses that have been keyed, deleted or edited since stay so. Raises Refusal.
     """
-    reason = sequence.refusal(obj)
+    reason = pose_state.refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     digests.forget()
@@ -68,7 +68,7 @@ def remove(obj: bpy.types.Object) -> None:
     at = {block.source: place for block, place in zip(blocks, playback.places_of(blocks), strict=True)}
     final = np.array([at[folded.get(place, place)] for place in shown.tolist()])
     active = settings.poses[settings.active_pose].at if settings.active_pose < len(settings.poses) else None
-    was_unkeyed = sequence.unkeyed(obj)
+    was_unkeyed = pose_state.unkeyed(obj)
 
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         curve = own_curve(obj.data.shape_keys)
@@ -80,7 +80,7 @@ def remove(obj: bpy.types.Object) -> None:
     for index, pose in enumerate(settings.poses):
         if active in folded and pose.at == at[folded[active]]:
             settings.active_pose = index
-    sequence.show(obj, was_unkeyed)
+    pose_state.show(obj, was_unkeyed)
 
 
 def _blocks(

@@ -16,7 +16,7 @@ from ... import compat
 from ...errors import Refusal
 from ...model.timing.played_curve import SAME_FRAME
 from ..objects.any_object import shape_refusal
-from ..sequence import playback, sequence
+from ..sequence import playback, pose_state
 from ..sequence.pose_blocks import keyed, own_curve
 from ..storage import points
 from . import point_cache
@@ -38,7 +38,7 @@ FORMS = (
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
     """Why there is nothing that could be baked, and what to do; None when there is."""
-    return shape_refusal(obj) or sequence.absence(obj)
+    return shape_refusal(obj) or pose_state.absence(obj)
 
 
 def frame_range(scene: bpy.types.Scene) -> tuple[int, int]:
@@ -80,7 +80,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
     for share, shape in _shown(find, frames):
         shapes[float(frames[len(shapes)])] = shape
         yield 0.5 * share
-    for share in sequence.put_coordinates(find(), shapes, throughout=True):
+    for share in pose_state.put_coordinates(find(), shapes, throughout=True):
         yield 0.5 + 0.5 * share
     keys = find().data.shape_keys
     curve = own_curve(keys)
@@ -90,7 +90,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
         if frames[0] - SAME_FRAME < frame < frames[-1] - SAME_FRAME:
             point.interpolation = "LINEAR"
     curve.update()
-    sequence.show_frame(find())
+    pose_state.show_frame(find())
 
 
 def to_point_cache(
@@ -112,7 +112,7 @@ def to_point_cache(
     obj = find()
     point_cache.play(obj, path, frames)
     if free:
-        sequence.clear(obj)
+        pose_state.clear(obj)
 
 
 def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
@@ -127,7 +127,7 @@ def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
         yield share
     obj = find()
     rest = points.read_block(obj, obj.data.shape_keys.reference_key)
-    sequence.clear(obj)
+    pose_state.clear(obj)
     if obj.data.shape_keys is not None:
         obj.data.shape_keys.animation_data_clear()
         obj.shape_key_clear()
@@ -170,4 +170,4 @@ def _blend(obj: bpy.types.Object, names: list[str], frames: range) -> None:
 def _shown(find: Callable[[], bpy.types.Object], frames: range) -> Iterator[tuple[float, np.ndarray]]:
     """The share done and the shape, frame by frame."""
     for done, frame in enumerate(frames, 1):
-        yield done / len(frames), sequence.shape_at(find(), frame)
+        yield done / len(frames), pose_state.shape_at(find(), frame)

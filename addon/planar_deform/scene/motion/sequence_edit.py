@@ -13,7 +13,7 @@ from ...errors import ObjectGone, Refusal
 from ...model.plane.frame import Array
 from ...model.work import Progress
 from ..objects.any_object import begin_shape
-from ..sequence import sequence, stretches
+from ..sequence import pose_state, stretches
 from ..sequence.pose_blocks import played, share_of, shown_curve
 from ..storage import points
 
@@ -26,9 +26,9 @@ def edit_refusal(context: bpy.types.Context) -> str | None:
     """Why there is no change that could be spread, and what to do; None if there is one."""
     if shown_curve(context.object.data.shape_keys) is None:
         return "No pose has a key, so that nothing is played: use Key Pose at two frames first"
-    if sequence.unkeyed(context.object):
+    if pose_state.unkeyed(context.object):
         return None
-    if sequence.pose_at(context.object, context.scene.frame_current_final) is not None:
+    if pose_state.pose_at(context.object, context.scene.frame_current_final) is not None:
         return "A pose is keyed at this frame, and posing changes it alone: pose at a frame beside it instead"
     return "Nothing is changed at this frame: pose the drawing first, that change is spread over the sequence"
 
@@ -38,7 +38,7 @@ class SequenceEdit:
 
     def __init__(self, context: bpy.types.Context, keep_poses: bool):
         obj, frame = context.object, context.scene.frame_current_final
-        reason = sequence.refusal(obj) or edit_refusal(context)
+        reason = pose_state.refusal(obj) or edit_refusal(context)
         if reason is not None:
             raise Refusal(reason)
         self._scene = begin_shape(context)
@@ -113,8 +113,8 @@ class SequenceEdit:
         obj = self._scene.resolve()
         poses = [index for index, pose in enumerate(obj.planar.poses) if round(pose.at) in self._stretches]
         stretches.mark(obj, poses, edited=True)
-        sequence.drop_scratch(obj)
-        sequence.show_frame(obj)
+        pose_state.drop_scratch(obj)
+        pose_state.show_frame(obj)
 
     def _put(self, index: int, shape: np.ndarray) -> None:
         obj = self._scene.resolve()

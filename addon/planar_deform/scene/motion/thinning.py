@@ -16,7 +16,7 @@ from ...model.timing.thinning import Thinned, thin
 from ...model.work import Progress, Work
 from ..inbetweens import planning, writing
 from ..objects.any_object import begin_shape
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..sequence.pose_blocks import keyed, shown_curve
 
 LOOK = 0.01  # seconds for which the thread is waited for at a time
@@ -33,7 +33,7 @@ class Thinning:
 
     def __init__(self, context: bpy.types.Context, tolerance: float):
         obj = context.object
-        reason = sequence.refusal(obj) or planning.refusal(obj) or thin_refusal(context)
+        reason = pose_state.refusal(obj) or planning.refusal(obj) or thin_refusal(context)
         if reason is not None:
             raise Refusal(reason)
         self._scene = begin_shape(context, unkeyed=True)  # the pose that is shown may go

@@ -15,7 +15,7 @@ from ...model.plane.frame import Array
 from ...model.work import Progress
 from ..objects.any_object import SceneShape, begin_shape, read_shape
 from ..objects.connectivity import shape_connectivity
-from ..sequence import playback, pose_curve, sequence, stretches
+from ..sequence import playback, pose_curve, pose_state, stretches
 from ..sequence.pose_blocks import played
 from ..storage.points import read_block
 
@@ -35,7 +35,7 @@ class Transfer:
 
     def __init__(self, context: bpy.types.Context):
         source = context.object
-        reason = sequence.refusal(source) or transfer_refusal(context)
+        reason = pose_state.refusal(source) or transfer_refusal(context)
         if reason is not None:
             raise Refusal(reason)
         self._source = begin_shape(context)
@@ -52,9 +52,9 @@ class Transfer:
         except Refusal as refusal:
             about = "" if f"'{obj.name}'" in str(refusal) else f"'{obj.name}': "
             raise Refusal(about + str(refusal)) from refusal
-        if sequence.has_blocks(obj):
+        if pose_state.has_blocks(obj):
             raise Refusal(f"'{obj.name}' has poses already: take them away with Clear Poses")
-        reason = sequence.refusal(obj)
+        reason = pose_state.refusal(obj)
         if reason is not None:
             raise Refusal(f"'{obj.name}': {reason}")
         differs = shape_connectivity(target).difference(self._connectivity)
@@ -87,14 +87,14 @@ class Transfer:
             for count, (target, own) in enumerate(zip(self._targets, shapes, strict=True)):
                 obj = target.resolve()
                 begun.append((target, [getattr(obj.planar, name) for name in SETTINGS]))
-                sequence.begin_sequence(obj, target.rest_coordinates())
+                pose_state.begin_sequence(obj, target.rest_coordinates())
                 blocks = [
                     dataclasses.replace(block, shape=shape, source=None)
                     for block, shape in zip(self._blocks, own, strict=True)
                 ]
                 for share in playback.relay(obj, blocks, self._play):
                     yield (count + share) / len(shapes)
-                sequence.show_frame(obj)
+                pose_state.show_frame(obj)
         except BaseException:
             for target, settings in begun:
                 _take_back(target, settings)
@@ -122,9 +122,9 @@ def _take_back(target: SceneShape, settings: list) -> None:
     obj = bpy.data.objects.get(target.object_name)
     if obj is None or obj.session_uid != target.session_uid:
         return
-    if not sequence.is_ours(obj):  # its blocks are gone again
-        sequence.end_sequence(obj)
-    sequence.clear(obj)
+    if not pose_state.is_ours(obj):  # its blocks are gone again
+        pose_state.end_sequence(obj)
+    pose_state.clear(obj)
     for name, value in zip(SETTINGS, settings, strict=True):
         setattr(obj.planar, name, value)
 

@@ -11,7 +11,7 @@ from ...model.plane.cutout import Cutout, diagonal_of, make_cutout, signed_areas
 from ...model.plane.frame import Array, Indices, Mask, PlaneFrame, mapped, plane_frame
 from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, copied_parts, fitted
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness, triangulation
 from .flat_object import FlatObject, data_refusal, is_flat, part_means, settle
@@ -40,7 +40,7 @@ def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | No
         return reason
     if not obj.data.polygons:
         return f"'{obj.name}' has no faces, which pins need: pose it in Edit Mode and use Key Pose"
-    return sequence.refusal(obj) if sequence.has_blocks(obj) else shape_keys.refusal(obj)
+    return pose_state.refusal(obj) if pose_state.has_blocks(obj) else shape_keys.refusal(obj)
 
 
 def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneCutout:

@@ -16,7 +16,7 @@ from ...model.plane.connectivity import unique_edges
 from ...model.plane.cutout import connected_parts, diagonal_of
 from ...model.plane.frame import Array, Indices, PlaneFrame, frame_across, mapped
 from ...model.plane.outline import plane_normal
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..storage import points, shape_keys
 from .flat_object import FlatObject, data_refusal, is_flat
 
@@ -36,7 +36,7 @@ def outline_refusal(obj: bpy.types.Object) -> str | None:
         return f"'{obj.name}' has curved splines: make them lines in Edit Mode with Set Spline Type > Poly"
     elif not any(len(spline.points) > 1 for spline in obj.data.splines):
         return f"'{obj.name}' has no lines: draw some"
-    return sequence.refusal(obj) if sequence.has_blocks(obj) else shape_keys.refusal(obj)
+    return pose_state.refusal(obj) if pose_state.has_blocks(obj) else shape_keys.refusal(obj)
 
 
 class SceneOutline(FlatObject):

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..storage import points, shape_keys
 
 
@@ -19,7 +19,7 @@ def target_of(obj: bpy.types.Object, unkeyed: bool) -> OwnTarget | KeyTarget | S
     """Where the object's next pose goes. `unkeyed`: never into a keyed pose. Raises Refusal."""
     if obj.data.shape_keys is None:
         return OwnTarget(obj)
-    return SequenceTarget(obj, unkeyed) if sequence.is_ours(obj) else KeyTarget(obj)
+    return SequenceTarget(obj, unkeyed) if pose_state.is_ours(obj) else KeyTarget(obj)
 
 
 class OwnTarget:
@@ -95,24 +95,24 @@ class SequenceTarget:
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         keys = obj.data.shape_keys
-        keyed = sequence.keyed_pose_shown(obj, bpy.context.scene.frame_current_final)
+        keyed = pose_state.keyed_pose_shown(obj, bpy.context.scene.frame_current_final)
         if keyed is not None and keyed.lock_shape and not unkeyed:
             raise Refusal(f"Shape key '{keyed.name}' is locked: open its lock in the Shape Keys panel")
         self._name = None if keyed is None or unkeyed else keyed.name
         self._time = keys.eval_time
-        self._was_unkeyed = sequence.unkeyed(obj)
-        self.begin = sequence.shown_points(obj)
+        self._was_unkeyed = pose_state.unkeyed(obj)
+        self.begin = pose_state.shown_points(obj)
         self.shown = self.begin.astype(np.float64)
         self.share = np.ones((len(self.begin), 1))
 
     def is_there(self, obj: bpy.types.Object) -> bool:
-        if not sequence.is_ours(obj):
+        if not pose_state.is_ours(obj):
             return False
         return self._name is None or self._name in obj.data.shape_keys.key_blocks
 
     def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
         if self._name is None:
-            sequence.show_unkeyed(obj, shape)
+            pose_state.show_unkeyed(obj, shape)
         else:
             points.write_block(obj.data.shape_keys.key_blocks[self._name], shape)
 
@@ -120,7 +120,7 @@ class SequenceTarget:
         if self._name is not None or self._was_unkeyed:
             self.store(obj, self.begin)
         else:
-            sequence.drop_scratch(obj)
+            pose_state.drop_scratch(obj)
             obj.data.shape_keys.eval_time = self._time
 
     def rest(self, obj: bpy.types.Object, rest: np.ndarray) -> np.ndarray | None:

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..storage import points, shape_keys
 
 REST = "planar_rest"
@@ -81,7 +81,7 @@ def set_to_current(obj: bpy.types.Object) -> None:
         write(mesh, points.read(obj))
         return
     if not mesh.shape_keys.use_relative:
-        shown = sequence.shown_points(obj)  # the poses stay as they are, wherever the rest is
+        shown = pose_state.shown_points(obj)  # the poses stay as they are, wherever the rest is
         points.write_block(mesh.shape_keys.reference_key, shown)
         points.write(obj, shown)
         points.update(obj)

@@ -10,7 +10,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage.points import read_block, update, write_block
-from . import playback, pose_curve, sequence
+from . import playback, pose_curve, pose_state
 from .playback import blocks_of, places_of, relay, sample_name
 from .pose_blocks import SPACING, block_at, keyed, own_curve, shown_curve
 from .pose_insertion import close_up, put_in, shown_before
@@ -22,7 +22,7 @@ def retime(obj: bpy.types.Object, pose: int, frame: float) -> None:
     One that goes past others is played in their order from then on; what is generated stays where it is, and
     is stale there. A pose without a key is keyed. Raises Refusal, with nothing changed.
     """
-    reason = sequence.refusal(obj)
+    reason = pose_state.refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     keys = obj.data.shape_keys
@@ -34,13 +34,13 @@ def retime(obj: bpy.types.Object, pose: int, frame: float) -> None:
     if (np.abs(timeline[:, 0] - frame) < SAME_FRAME).any():
         raise Refusal(f"Frame {frame:g} has a key: move that away first")
     others = np.delete(timeline, mine[:1], axis=0)
-    was_unkeyed = sequence.unkeyed(obj)
+    was_unkeyed = pose_state.unkeyed(obj)
     in_turn = len(mine) > 0 and (others[:, 0] < frame).sum() == mine[0]
     if in_turn or len(mine) > 1:
         _move_key(own_curve(keys), int(mine[0]), frame)
     else:
         _reorder(obj, record.at, others, mine, frame)
-    sequence.show(obj, was_unkeyed)
+    pose_state.show(obj, was_unkeyed)
 
 
 def _move_key(curve: bpy.types.FCurve, index: int, frame: float) -> None:
@@ -120,7 +120,7 @@ def duplicate(obj: bpy.types.Object, pose: int, frame: float) -> None:
     if (np.abs(keyed(obj.data.shape_keys)[:, 0] - frame) < SAME_FRAME).any():
         raise Refusal(f"Frame {frame:g} has a key: go to a frame without one")
     shape = read_block(obj, _block_of(obj, pose))
-    playback.run(sequence.put_coordinates(obj, {frame: shape}))
+    playback.run(pose_state.put_coordinates(obj, {frame: shape}))
 
 
 def _block_of(obj: bpy.types.Object, pose: int) -> bpy.types.ShapeKey:
@@ -142,7 +142,7 @@ def set_step(obj: bpy.types.Object, step: int) -> None:
     curve = own_curve(obj.data.shape_keys)
     if curve is None:
         raise Refusal("The poses have no curve: key one with Key Pose")
-    was_unkeyed = sequence.unkeyed(obj)
+    was_unkeyed = pose_state.unkeyed(obj)
     for modifier in [modifier for modifier in curve.modifiers if modifier.type == "STEPPED"]:
         curve.modifiers.remove(modifier)
     if step > 1:
@@ -150,4 +150,4 @@ def set_step(obj: bpy.types.Object, step: int) -> None:
         modifier.frame_step = step
         modifier.frame_offset = curve.keyframe_points[0].co[0]
     curve.update()
-    sequence.show(obj, was_unkeyed)
+    pose_state.show(obj, was_unkeyed)

@@ -14,7 +14,7 @@ from ...model.timing.order_of_time import Entry, frames_between, in_order
 from ...model.timing.played_curve import SAME_PLACE, visits
 from ..storage.digests import digest, of_block
 from ..storage.points import bits
-from . import sequence
+from . import pose_state
 from .playback import Block, blocks_of, whole
 from .pose_blocks import SPACING, block_at, keyed, places
 
@@ -81,7 +81,7 @@ class Stamps:
 
 def has_inbetweens(obj: bpy.types.Object) -> bool:
     """Whether anything is generated."""
-    return sequence.has_blocks(obj) and any(pose.generated for pose in obj.planar.poses)
+    return pose_state.has_blocks(obj) and any(pose.generated for pose in obj.planar.poses)
 
 
 def stale(obj: bpy.types.Object) -> list[tuple[int, int]]:
@@ -89,7 +89,7 @@ def stale(obj: bpy.types.Object) -> list[tuple[int, int]]:
 
     Of a sequence without in-betweens there are none. Cheap while the shapes stay what they are.
     """
-    if not has_inbetweens(obj) or not sequence.is_ours(obj):
+    if not has_inbetweens(obj) or not pose_state.is_ours(obj):
         return []
     played = _Played(obj)
     return [

@@ -16,7 +16,7 @@ from bpy.app.handlers import persistent
 from ...errors import Refusal
 from ...model.plane.frame import Indices
 from ..objects.line_object import edges_of
-from ..sequence import sequence
+from ..sequence import pose_state
 from ..sequence.neighbours import KeyedPose, around
 from ..sequence.pose_blocks import block_at
 from ..storage import points
@@ -56,7 +56,7 @@ def of_active(context: bpy.types.Context) -> Onion | None:
     """What to draw of the active object; the same one as long as it is the same. Changes no data."""
     global _kept, _changed
     obj = context.object
-    if obj is None or context.mode not in MODES or not obj.planar.show_onion or not sequence.is_ours(obj):
+    if obj is None or context.mode not in MODES or not obj.planar.show_onion or not pose_state.is_ours(obj):
         return None
     before, behind = around(obj, context.scene.frame_current_final)
     places = tuple(None if pose is None else pose.at for pose in (before, behind))

@@ -7,7 +7,7 @@ import bpy
 
 from ...scene.motion import point_cache
 from ...scene.motion.bake import FORMS
-from ...scene.sequence import sequence
+from ...scene.sequence import pose_state
 from .tab import PlanarPanel
 
 ICONS = {"SHAPES": "SHAPEKEY_DATA", "POINT_CACHE": "FILE_CACHE", "RELATIVE_KEYS": "EXPORT"}
@@ -22,7 +22,7 @@ class PLANAR_PT_bake(PlanarPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         obj = context.object
-        return obj is not None and (sequence.has_blocks(obj) or point_cache.modifier_of(obj) is not None)
+        return obj is not None and (pose_state.has_blocks(obj) or point_cache.modifier_of(obj) is not None)
 
     def draw(self, context):
         layout = self.layout

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...scene.sequence import sequence
+from ...scene.sequence import pose_state
 from .tab import PlanarPanel
 
 
@@ -17,7 +17,7 @@ class PLANAR_PT_motion(PlanarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and sequence.has_blocks(context.object)
+        return context.object is not None and pose_state.has_blocks(context.object)
 
     def draw(self, context):
         column = self.layout.column(align=True)

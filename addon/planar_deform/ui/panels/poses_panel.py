@@ -8,7 +8,7 @@ from typing import ClassVar
 import bpy
 
 from ...scene.objects.any_object import is_outline, shape_refusal
-from ...scene.sequence import pose_list, sequence, stretches
+from ...scene.sequence import pose_list, pose_state, stretches
 from .tab import PlanarPanel, lines
 
 
@@ -18,7 +18,7 @@ class PLANAR_UL_poses(bpy.types.UIList):
     stale: ClassVar[set[int]] = set()  # poses behind which in-betweens are to be generated again
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_propname, index):
-        frames = sequence.frames_of(item.id_data, index)
+        frames = pose_state.frames_of(item.id_data, index)
         here = context.scene.frame_current_final in frames
         row = layout.row(align=True)
         row.prop(item, "name", text="", emboss=False, icon="KEYFRAME_HLT" if here else "KEYFRAME")
@@ -57,7 +57,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         layout = self.layout
         obj = context.object
         stale = stretches.stale(obj)
-        if sequence.has_blocks(obj):
+        if pose_state.has_blocks(obj):
             PLANAR_UL_poses.stale = {before for before, _ in stale}
             row = layout.row()
             row.template_list("PLANAR_UL_poses", "", obj.planar, "poses", obj.planar, "active_pose", rows=5)
@@ -75,7 +75,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
         row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
         row.operator("planar.mirror_pose", text="Mirror", icon="MOD_MIRROR")
-        if sequence.has_blocks(obj):
+        if pose_state.has_blocks(obj):
             column = layout.column(align=True)
             column.operator("planar.breakdown", icon="ARROW_LEFTRIGHT")
             row = column.row(align=True)
@@ -95,7 +95,7 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and sequence.is_ours(context.object)
+        return context.object is not None and pose_state.is_ours(context.object)
 
     def draw(self, context):
         layout = self.layout
@@ -119,13 +119,13 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
 
 def _note(obj):
     """What the user should know of the object's poses."""
-    if obj.mode == "EDIT" and sequence.is_ours(obj):
+    if obj.mode == "EDIT" and pose_state.is_ours(obj):
         return f"Edit Mode edits the shape key that is active: '{obj.active_shape_key.name}'"
-    if sequence.unkeyed(obj):
+    if pose_state.unkeyed(obj):
         return "The pose shown is not keyed: the next frame change takes it away"
     reason = shape_refusal(obj)
     if reason is None:
-        return sequence.refusal(obj)
+        return pose_state.refusal(obj)
     return reason if is_outline(obj) else None  # of a mesh with faces the pins' panel says it
 
 
