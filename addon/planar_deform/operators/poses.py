@@ -10,7 +10,7 @@ from ..errors import Refusal
 from ..scene.objects import modifiers
 from ..scene.objects.any_object import begin_shape
 from ..scene.objects.flat_object import settle
-from ..scene.sequence import pose_list, pose_state
+from ..scene.sequence import pose_edit, pose_list, pose_state
 from .keying import key_shown
 from .posing_operator import ShapeOperator
 
@@ -62,7 +62,7 @@ class PLANAR_OT_delete_pose(OnePoseOperator, bpy.types.Operator):
     bl_description = "Take a pose and its keys away; with the last one, the object is as it was before them"
 
     def act(self, context, pose):
-        pose_state.remove(context.object, pose)
+        pose_edit.remove(context.object, pose)
 
 
 class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
@@ -75,7 +75,7 @@ class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
         frames = pose_state.frames_of(obj, pose)
         if not frames:
             raise Refusal(f"Pose '{obj.planar.poses[pose].name}' has no key on the curve: delete it")
-        pose_state.activate(obj, pose)
+        pose_edit.activate(obj, pose)
         frame = int(frames[0] // 1)
         context.scene.frame_set(frame, subframe=frames[0] - frame)
 
@@ -86,7 +86,7 @@ class PLANAR_OT_clear_poses(PoseListOperator, bpy.types.Operator):
     bl_description = "Take all poses away: the object is as it was before the first one was keyed"
 
     def apply(self, context):
-        pose_state.clear(context.object)
+        pose_edit.clear(context.object)
 
 
 class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):

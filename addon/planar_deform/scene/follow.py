@@ -8,7 +8,7 @@ from bpy.app.handlers import persistent
 
 from ..model.posing import solver_cache
 from .pins.pin_list import sync
-from .sequence import pose_state
+from .sequence import pose_edit, pose_state
 
 CLASSES = ()
 
@@ -48,7 +48,7 @@ def activate_shown_pose(scene, depsgraph):
     if obj.library is None and obj.data.library is None:
         pose = pose_state.pose_at(obj, scene.frame_current_final)
         if pose is not None and pose != obj.planar.active_pose:
-            pose_state.activate(obj, pose)
+            pose_edit.activate(obj, pose)
 
 
 @persistent

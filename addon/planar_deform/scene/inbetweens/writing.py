@@ -14,7 +14,7 @@ from ...errors import ObjectGone, Refusal
 from ...model.plane.frame import Array
 from ...model.timing.played_curve import SAME_PLACE, Offsets, moved, offsets, remember
 from ..objects.any_object import SceneShape
-from ..sequence import playback, pose_curve, pose_state
+from ..sequence import playback, pose_curve, pose_showing, pose_state
 from ..sequence.playback import Block, sample_name
 from ..sequence.pose_blocks import FIRST, SPACING, keyed, own_curve
 from ..sequence.stretches import Stamps, Stretch, stretches
@@ -41,7 +41,7 @@ def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Iterator[fl
         _expand(obj, plan, playback.places_of(blocks)[starts])
 
     yield from playback.relay(obj, blocks, then)
-    pose_state.show(scene.resolve(), was_unkeyed)
+    pose_showing.show(scene.resolve(), was_unkeyed)
 
 
 def remove(obj: bpy.types.Object) -> None:
@@ -80,7 +80,7 @@ def remove(obj: bpy.types.Object) -> None:
     for index, pose in enumerate(settings.poses):
         if active in folded and pose.at == at[folded[active]]:
             settings.active_pose = index
-    pose_state.show(obj, was_unkeyed)
+    pose_showing.show(obj, was_unkeyed)
 
 
 def _blocks(

@@ -16,7 +16,7 @@ from ... import compat
 from ...errors import Refusal
 from ...model.timing.played_curve import SAME_FRAME
 from ..objects.any_object import shape_refusal
-from ..sequence import playback, pose_state
+from ..sequence import playback, pose_edit, pose_showing, pose_state
 from ..sequence.pose_blocks import keyed, own_curve
 from ..storage import points
 from . import point_cache
@@ -80,7 +80,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
     for share, shape in _shown(find, frames):
         shapes[float(frames[len(shapes)])] = shape
         yield 0.5 * share
-    for share in pose_state.put_coordinates(find(), shapes, throughout=True):
+    for share in pose_edit.put_coordinates(find(), shapes, throughout=True):
         yield 0.5 + 0.5 * share
     keys = find().data.shape_keys
     curve = own_curve(keys)
@@ -90,7 +90,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
         if frames[0] - SAME_FRAME < frame < frames[-1] - SAME_FRAME:
             point.interpolation = "LINEAR"
     curve.update()
-    pose_state.show_frame(find())
+    pose_showing.show_frame(find())
 
 
 def to_point_cache(
@@ -112,7 +112,7 @@ def to_point_cache(
     obj = find()
     point_cache.play(obj, path, frames)
     if free:
-        pose_state.clear(obj)
+        pose_edit.clear(obj)
 
 
 def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
@@ -127,7 +127,7 @@ def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
         yield share
     obj = find()
     rest = points.read_block(obj, obj.data.shape_keys.reference_key)
-    pose_state.clear(obj)
+    pose_edit.clear(obj)
     if obj.data.shape_keys is not None:
         obj.data.shape_keys.animation_data_clear()
         obj.shape_key_clear()

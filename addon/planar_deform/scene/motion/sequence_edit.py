@@ -13,7 +13,7 @@ from ...errors import ObjectGone, Refusal
 from ...model.plane.frame import Array
 from ...model.work import Progress
 from ..objects.any_object import begin_shape
-from ..sequence import pose_state, stretches
+from ..sequence import pose_showing, pose_state, stretches
 from ..sequence.pose_blocks import played, share_of, shown_curve
 from ..storage import points
 
@@ -113,8 +113,8 @@ class SequenceEdit:
         obj = self._scene.resolve()
         poses = [index for index, pose in enumerate(obj.planar.poses) if round(pose.at) in self._stretches]
         stretches.mark(obj, poses, edited=True)
-        pose_state.drop_scratch(obj)
-        pose_state.show_frame(obj)
+        pose_showing.drop_scratch(obj)
+        pose_showing.show_frame(obj)
 
     def _put(self, index: int, shape: np.ndarray) -> None:
         obj = self._scene.resolve()

@@ -15,7 +15,7 @@ from ...model.plane.frame import Array
 from ...model.work import Progress
 from ..objects.any_object import SceneShape, begin_shape, read_shape
 from ..objects.connectivity import shape_connectivity
-from ..sequence import playback, pose_curve, pose_state, stretches
+from ..sequence import playback, pose_curve, pose_edit, pose_showing, pose_state, stretches
 from ..sequence.pose_blocks import played
 from ..storage.points import read_block
 
@@ -87,14 +87,14 @@ class Transfer:
             for count, (target, own) in enumerate(zip(self._targets, shapes, strict=True)):
                 obj = target.resolve()
                 begun.append((target, [getattr(obj.planar, name) for name in SETTINGS]))
-                pose_state.begin_sequence(obj, target.rest_coordinates())
+                pose_edit.begin_sequence(obj, target.rest_coordinates())
                 blocks = [
                     dataclasses.replace(block, shape=shape, source=None)
                     for block, shape in zip(self._blocks, own, strict=True)
                 ]
                 for share in playback.relay(obj, blocks, self._play):
                     yield (count + share) / len(shapes)
-                pose_state.show_frame(obj)
+                pose_showing.show_frame(obj)
         except BaseException:
             for target, settings in begun:
                 _take_back(target, settings)
@@ -123,8 +123,8 @@ def _take_back(target: SceneShape, settings: list) -> None:
     if obj is None or obj.session_uid != target.session_uid:
         return
     if not pose_state.is_ours(obj):  # its blocks are gone again
-        pose_state.end_sequence(obj)
-    pose_state.clear(obj)
+        pose_edit.end_sequence(obj)
+    pose_edit.clear(obj)
     for name, value in zip(SETTINGS, settings, strict=True):
         setattr(obj.planar, name, value)
 

@@ -9,7 +9,7 @@ import bpy
 
 from ...errors import Refusal
 from ...model.plane.frame import Array
-from ..sequence import playback, pose_state
+from ..sequence import playback, pose_edit
 from . import cutout_object
 from .cutout_object import SceneCutout
 from .flat_object import settle
@@ -56,11 +56,11 @@ def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> SceneS
 
 
 def key_poses(scene: SceneShape, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
-    """Key poses: n x 2 positions of the object's points by frame, as pose_state.put_coordinates() does it.
+    """Key poses: n x 2 positions of the object's points by frame, as pose_edit.put_coordinates() does it.
 
     `scene` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
     """
     obj = scene.resolve()
     coordinates = {frame: scene.coordinates(positions) for frame, positions in shapes.items()}
-    steps = pose_state.put_coordinates(obj, coordinates, scene.rest_coordinates(), throughout=throughout)
+    steps = pose_edit.put_coordinates(obj, coordinates, scene.rest_coordinates(), throughout=throughout)
     playback.run(steps)

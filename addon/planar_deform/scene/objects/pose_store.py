@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array
-from ..sequence import pose_state
+from ..sequence import pose_showing, pose_state
 from ..storage import points, shape_keys
 
 
@@ -112,7 +112,7 @@ class SequenceTarget:
 
     def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
         if self._name is None:
-            pose_state.show_unkeyed(obj, shape)
+            pose_showing.show_unkeyed(obj, shape)
         else:
             points.write_block(obj.data.shape_keys.key_blocks[self._name], shape)
 
@@ -120,7 +120,7 @@ class SequenceTarget:
         if self._name is not None or self._was_unkeyed:
             self.store(obj, self.begin)
         else:
-            pose_state.drop_scratch(obj)
+            pose_showing.drop_scratch(obj)
             obj.data.shape_keys.eval_time = self._time
 
     def rest(self, obj: bpy.types.Object, rest: np.ndarray) -> np.ndarray | None:

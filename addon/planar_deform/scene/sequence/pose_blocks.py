@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The absolute shape keys of a pose sequence, and the curve that plays them; pose_state.py tells how."""
+"""The absolute shape keys of a pose sequence, and the curve that plays them; the folder tells how."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage.points import read_block, update, write_block
-from . import playback, pose_curve, pose_state
+from . import playback, pose_curve, pose_edit, pose_showing, pose_state
 from .playback import blocks_of, places_of, relay, sample_name
 from .pose_blocks import SPACING, block_at, keyed, own_curve, shown_curve
 from .pose_insertion import close_up, put_in, shown_before
@@ -40,7 +40,7 @@ def retime(obj: bpy.types.Object, pose: int, frame: float) -> None:
         _move_key(own_curve(keys), int(mine[0]), frame)
     else:
         _reorder(obj, record.at, others, mine, frame)
-    pose_state.show(obj, was_unkeyed)
+    pose_showing.show(obj, was_unkeyed)
 
 
 def _move_key(curve: bpy.types.FCurve, index: int, frame: float) -> None:
@@ -120,7 +120,7 @@ def duplicate(obj: bpy.types.Object, pose: int, frame: float) -> None:
     if (np.abs(keyed(obj.data.shape_keys)[:, 0] - frame) < SAME_FRAME).any():
         raise Refusal(f"Frame {frame:g} has a key: go to a frame without one")
     shape = read_block(obj, _block_of(obj, pose))
-    playback.run(pose_state.put_coordinates(obj, {frame: shape}))
+    playback.run(pose_edit.put_coordinates(obj, {frame: shape}))
 
 
 def _block_of(obj: bpy.types.Object, pose: int) -> bpy.types.ShapeKey:
@@ -150,4 +150,4 @@ def set_step(obj: bpy.types.Object, step: int) -> None:
         modifier.frame_step = step
         modifier.frame_offset = curve.keyframe_points[0].co[0]
     curve.update()
-    pose_state.show(obj, was_unkeyed)
+    pose_showing.show(obj, was_unkeyed)

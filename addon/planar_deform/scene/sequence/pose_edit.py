@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pose sequence begun, changed and ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import bpy
+import numpy as np
+
+from ...errors import Refusal
+from ...model.plane.frame import Array
+from ...model.timing.played_curve import SAME_PLACE
+from ..storage import points
+from . import playback, pose_curve, pose_insertion
+from .pose_blocks import FIRST, block_at, keyed, own_curve
+from .pose_showing import drop_scratch, show_frame
+from .pose_state import is_ours, pose_at, refusal
+
+
+def put_coordinates(
+    obj: bpy.types.Object,
+    shapes: Mapping[float, np.ndarray],
+    rest: np.ndarray | None = None,
+    *,
+    throughout: bool = False,
+) -> Iterator[float]:
+    """Key a pose for each shape (by frame; see storage/points.py), step by step; yields the share done.
+
+    A frame at which a pose is keyed gets the new one in its place, with its easing; the object's sequence is
+    begun, with the shape `rest`, if it has none. `throughout`: keys between the frames go away, with what
+    only they show and what is generated there. Closed before its end, everything is back to the bit. Raises
+    Refusal, with nothing changed.
+    """
+    reason = refusal(obj)
+    if reason is not None:
+        raise Refusal(reason)
+    begun = not is_ours(obj)
+    if begun:
+        begin_sequence(obj, rest)
+    frames = {float(frame): shape for frame, shape in shapes.items()}
+    try:
+        yield from pose_insertion.insert(obj, frames, throughout=throughout)
+    except BaseException:
+        if begun:
+            end_sequence(obj)
+        raise
+    drop_scratch(obj)
+    latest = pose_at(obj, max(frames))
+    if latest is not None:
+        activate(obj, latest)
+    show_frame(obj)
+
+
+def activate(obj: bpy.types.Object, pose: int) -> None:
+    """Make a pose the active one, in our list and in Blender's, where Edit Mode edits it."""
+    obj.planar.active_pose = pose
+    keys = obj.data.shape_keys
+    block = block_at(keys, obj.planar.poses[pose].at)
+    if block is not None:
+        obj.active_shape_key_index = keys.key_blocks.find(block.name)
+
+
+def remove(obj: bpy.types.Object, pose: int) -> None:
+    """Take a pose out of the sequence, and its keys; with the last one the sequence ends.
+
+    What is generated before and behind it stays, and is stale, but not at the ends of the sequence.
+    """
+    if len(obj.planar.poses) == 1:
+        clear(obj)
+        return
+    place = obj.planar.poses[pose].at
+
+    def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
+        keys = obj.data.shape_keys
+        pose_curve.remove_keys(keys, np.abs(keyed(keys)[:, 1] - place) < SAME_PLACE)
+        playback.follow(obj, old, new)
+        curve = own_curve(keys)
+        if curve is not None:
+            curve.update()  # of a pose without keys none were removed
+
+    blocks = [block for block in playback.blocks_of(obj) if block.source != place]
+    playback.run(playback.relay(obj, pose_insertion.close_up(blocks), then))
+    drop_scratch(obj)
+    activate(obj, max(0, min(obj.planar.active_pose, len(obj.planar.poses) - 1)))
+    show_frame(obj)
+
+
+def clear(obj: bpy.types.Object) -> None:
+    """End the sequence: everything is as it was before it was begun, to the bit."""
+    settings = obj.planar
+    if is_ours(obj):
+        end_sequence(obj)
+    settings.poses.clear()
+    settings.active_pose = 0
+    settings.curve_before = ""
+
+
+def end_sequence(obj: bpy.types.Object) -> None:
+    """Take all blocks away, and their curve."""
+    settings = obj.planar
+    keys = obj.data.shape_keys
+    below = [block for block in keys.key_blocks if block.frame < FIRST - SAME_PLACE]
+    # It may raise Refusal, while nothing has changed.
+    before = points.read_block(obj, below[-1]) if below else points.read(obj)
+    action = None if keys.animation_data is None else keys.animation_data.action
+    keys.animation_data_clear()
+    if action is not None and not action.users:
+        bpy.data.actions.remove(action)
+    for name in [block.name for block in keys.key_blocks if block.frame > FIRST - SAME_PLACE]:
+        obj.shape_key_remove(keys.key_blocks[name])
+    keys.eval_time = 0.0
+    if settings.key_before < 0:
+        obj.shape_key_clear()
+        points.write(obj, before)
+    else:
+        keys.use_relative = True
+        obj.active_shape_key_index = settings.key_before
+    points.update(obj)
+
+
+def begin_sequence(obj: bpy.types.Object, rest: np.ndarray) -> None:
+    """Make an object's shape keys absolute, with the shape `rest` as the Basis, for poses to be added."""
+    mesh, settings = obj.data, obj.planar
+    settings.poses.clear()
+    if mesh.shape_keys is None:
+        shape = points.read(obj)
+        settings.key_before = -1
+        basis = obj.shape_key_add(name="Basis", from_mix=False)
+        points.write_block(obj.shape_key_add(name="Before Poses", from_mix=False), shape)
+        points.write_block(basis, rest)
+        points.write(obj, rest)  # Blender keeps the Basis there
+    else:
+        settings.key_before = obj.active_shape_key_index
+    mesh.shape_keys.use_relative = False

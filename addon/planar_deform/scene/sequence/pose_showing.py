@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an object with a pose sequence shows: what the curve says, or an unkeyed pose."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..storage import points
+from .pose_blocks import HOLD, SCRATCH, add, block_at, played, shown_curve, take_out
+
+
+def show_unkeyed(obj: bpy.types.Object, coordinates: np.ndarray) -> None:
+    """Show a shape until the frame changes."""
+    keys = obj.data.shape_keys
+    scratch = block_at(keys, SCRATCH)
+    if scratch is not None and keys.eval_time == SCRATCH:
+        points.write_block(scratch, coordinates)
+        return
+    drop_scratch(obj)  # of another frame: since then, the last pose may have become another
+    add(obj, "Hold", HOLD, points.read_block(obj, played(keys)[-1]))
+    add(obj, "Unkeyed", SCRATCH, coordinates)
+
+
+def drop_scratch(obj: bpy.types.Object) -> None:
+    """Take the place of unkeyed poses away. What is shown then is for the caller to say."""
+    for place in (SCRATCH, HOLD):
+        block = block_at(obj.data.shape_keys, place)
+        if block is not None:
+            take_out(obj, block)
+
+
+def show_frame(obj: bpy.types.Object) -> None:
+    """Show what the curve says for the present frame."""
+    keys = obj.data.shape_keys
+    curve = shown_curve(keys)
+    if curve is not None:
+        keys.eval_time = curve.evaluate(bpy.context.scene.frame_current_final)
+    points.update(obj)
+
+
+def show(obj: bpy.types.Object, was_unkeyed: bool) -> None:
+    """After the curve has changed: show the frame, or again the unkeyed pose that was shown.
+
+    Blender reads the curve anew after it has been edited, and would take the unkeyed pose back.
+    """
+    show_frame(obj)
+    if was_unkeyed:
+        bpy.context.view_layer.update()
+        obj.data.shape_keys.eval_time = SCRATCH
+        points.update(obj)
