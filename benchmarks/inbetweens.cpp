@@ -9,8 +9,8 @@
 #include <limits>
 #include <numbers>
 
-#include "edge_turns.h"
-#include "mesh.h"
+#include "inbetween/edge_turns.h"
+#include "mesh/mesh.h"
 #include "planar/distortion.h"
 #include "planar/inbetween.h"
 #include "planar/poser.h"

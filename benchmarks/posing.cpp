@@ -2,7 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "planar/poser.h"
-#include "spirals.h"
+#include "posing/spirals.h"
 #include "systems.h"
 
 /// The parts of a move, each alone, on squares of about 1k to 100k vertices.

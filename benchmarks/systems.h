@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "killing_energy.h"
+#include "energy/killing_energy.h"
+#include "linear/sparse_solver.h"
 #include "shapes.h"
-#include "sparse_solver.h"
 
 namespace planar::benchmarks {
 

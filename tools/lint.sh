@@ -31,6 +31,7 @@ cmake --preset release >/dev/null
 tidy() { printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p build/release; }
 check clang-tidy tidy "${library[@]}"
 check imports .venv/bin/python tools/check_imports.py
+check includes python3 tools/check_includes.py
 check ruff "$ruff" check --no-cache .
 check ruff-format "$ruff" format --no-cache --check .
 check mypy .venv/bin/mypy addon/planar_deform/model tools

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "sparse_solver.h"
+#include "linear/sparse_solver.h"
 
 namespace planar::testing {
 

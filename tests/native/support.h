@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "mesh.h"
+#include "linear/sparse_solver.h"
+#include "mesh/mesh.h"
 #include "planar/akvf.h"
 #include "planar/handle.h"
-#include "sparse_solver.h"
 
 /// Meshes, fields and dense algebra that the tests compare with.
 /// The call throws std::invalid_argument with these words in its message.

@@ -10,9 +10,6 @@
 
 namespace planar {
 
-/// m×2 vertex indices (from 0).
-using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
-
 /// The progress callback asked to stop.
 struct Cancelled : std::runtime_error {
   Cancelled() : std::runtime_error("cancelled") {}

@@ -20,6 +20,9 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 /// m×3 vertex indices (from 0). Orientation may differ from triangle to triangle.
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
+/// m×2 vertex indices (from 0).
+using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
 /// One truth a row.
 using Flags = Eigen::Array<bool, Eigen::Dynamic, 1>;
 

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "energy/mesh_matrix.h"
+
+#include <algorithm>
+
+#include "base/index.h"
+
+namespace planar {
+
+namespace {
+
+constexpr int spare_room = 8;
+
+std::vector<int> places(const Mesh& mesh, const std::vector<int>& kept) {
+  std::vector<int> place(at(mesh.n_vertices), -1);
+  for (std::size_t i = 0; i < kept.size(); ++i) place[at(kept[i])] = static_cast<int>(i);
+  return place;
+}
+
+}  // namespace
+
+SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
+  const std::vector<int> place = places(mesh, kept);
+  SymmetricMatrix graph;
+  graph.size = static_cast<int>(kept.size());
+  std::vector<std::vector<int>> column(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) column[i].push_back(static_cast<int>(i));
+  const auto couple = [&](int a, int b) {
+    const auto [i, j] = std::minmax({place[at(a)], place[at(b)]});
+    if (i >= 0) column[at(i)].push_back(j);
+  };
+  for (const auto& edge : mesh.edges) couple(edge[0], edge[1]);
+  for (const auto& brace : mesh.braces) couple(brace[1], brace[2]);
+  graph.column_start.push_back(0);
+  for (auto& rows : column) {
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    graph.row.insert(graph.row.end(), rows.begin(), rows.end());
+    graph.column_start.push_back(static_cast<int>(graph.row.size()));
+  }
+  return graph;
+}
+
+MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : place_(places(mesh, kept)) {
+  const SymmetricMatrix graph = vertex_graph(mesh, kept);
+  matrix_.size = 2 * graph.size;
+  matrix_.column_start.push_back(0);
+  for (int j = 0; j < graph.size; ++j) {
+    kept_part_.push_back(mesh.part[at(kept[at(j)])]);
+    for (int axis = 0; axis < 2; ++axis) {
+      for (int p = graph.column_start[at(j)]; p < graph.column_start[at(j) + 1]; ++p) {
+        const int i = graph.row[at(p)];
+        if (i > j || axis == 0) matrix_.row.push_back(2 * i);
+        matrix_.row.push_back(2 * i + 1);
+      }
+      matrix_.column_start.push_back(static_cast<int>(matrix_.row.size()));
+    }
+  }
+  matrix_.value.assign(matrix_.row.size() + spare_room, 0.0);
+
+  const int spare = static_cast<int>(matrix_.row.size());
+  const auto add_corners = [&](std::array<int, 3> corner, int triangle) {
+    // Fixed corners go last.
+    const auto rank = [this, &graph](int v) { return place(v) < 0 ? graph.size : place(v); };
+    std::sort(corner.begin(), corner.end(), [&rank](int a, int b) { return rank(a) < rank(b); });
+    if (place(corner[0]) < 0) return;
+    Element element{corner, {}, {}, {}, {}, triangle, mesh.part[at(corner[0])]};
+    constexpr std::array<std::array<int, 2>, 3> sides{{{0, 1}, {0, 2}, {1, 2}}};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int i = place(corner[c]);
+      element.diagonal[c] = i < 0 ? spare : matrix_.column_start[at(2 * i)];
+      element.diagonal_y[c] = i < 0 ? spare : matrix_.column_start[at(2 * i) + 1];
+      const int later = place(corner[at(sides[c][1])]);
+      const int earlier = place(corner[at(sides[c][0])]);
+      element.below[c] = element.below_y[c] = spare;
+      if (later >= 0 && earlier >= 0) {
+        element.below[c] = find_block(later, earlier);
+        const int length = matrix_.column_start[at(2 * earlier) + 1] - matrix_.column_start[at(2 * earlier)];
+        element.below_y[c] = element.below[c] + length - 1;
+      }
+    }
+    elements_.push_back(element);
+  };
+  for (int t = 0; t < static_cast<int>(mesh.triangles.rows()); ++t) {
+    add_corners({mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)}, t);
+  }
+  for (const auto& brace : mesh.braces) add_corners(brace, -1);
+}
+
+int MeshMatrix::find_block(int later, int earlier) const {
+  const auto begin = matrix_.row.begin() + matrix_.column_start[at(2 * earlier)];
+  const auto end = matrix_.row.begin() + matrix_.column_start[at(2 * earlier) + 1];
+  return static_cast<int>(std::lower_bound(begin, end, 2 * later) - matrix_.row.begin());
+}
+
+void MeshMatrix::add(int a, int b, double value) {
+  const auto [earlier, later] = std::minmax({place(a), place(b)});
+  const int first = find_block(later, earlier);
+  const int start = matrix_.column_start[at(2 * earlier)];
+  const int start_y = matrix_.column_start[at(2 * earlier) + 1];
+  // The column of y misses the entry above its diagonal, so that everything is one place earlier, and y one
+  // row later.
+  matrix_.value[at(first)] += value;
+  matrix_.value[at(start_y + first - start)] += value;
+}
+
+void MeshMatrix::set_zero() { std::fill(matrix_.value.begin(), matrix_.value.end(), 0.0); }
+
+void MeshMatrix::set_unit_rows(const std::vector<char>& active) {
+  for (std::size_t i = 0; i < kept_part_.size(); ++i) {
+    if (kept_part_[i] >= 0 && active[at(kept_part_[i])]) continue;
+    matrix_.value[at(matrix_.column_start[2 * i])] = 1.0;
+    matrix_.value[at(matrix_.column_start[2 * i + 1])] = 1.0;
+  }
+}
+
+}  // namespace planar

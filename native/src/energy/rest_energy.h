@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "energy/mesh_matrix.h"
+#include "mesh/orientation.h"
+#include "planar/types.h"
+
+namespace planar {
+
+/// How far a mesh is from its rest shape: the symmetric Dirichlet energy
+///
+///   E(x) = Σ k_t A_t (|J|² + |J⁻¹|² - 4),   J: rest -> x,
+///
+/// with A_t the areas at rest; 0 for rigid motions, infinite where a triangle collapses. (Smith and Schaefer
+/// 2015, "Bijective parameterization with free boundaries".) Only the orientation relative to rest counts.
+///
+/// In complex numbers J is z -> a z + b z̄, |J|² = s = 2(|a|² + |b|²), det J = δ = |a|² - |b|², and a
+/// triangle's energy is s ψ(δ) with ψ = 1 + δ⁻². Its Hessian in J is diagonal in the directions along and
+/// across a and b, but for a coupling of the two along: the eigensystem of Smith et al. 2019, "Analytic
+/// eigensystems for isotropic distortion energies", without a singular value decomposition. Of its
+/// eigenvalues only that of the twist, across a, can be negative.
+///
+/// Triangles that are flat at rest, below 1e-5 of their longest edge squared, have no usable J unless they
+/// are thick enough for Orientation to judge them. They get springs that follow them, k c Σ_edges |e - R
+/// e_rest|² with R the best rotation and a small c, which hold their corners in place and can be turned over
+/// without harm.
+///
+/// Triangles that are inverted to begin with (relax()) have the χ of Garanzha et al. 2021, "Foldover-free
+/// maps in 50 lines of code", in place of δ: finite energy, and a force that turns them back.
+class RestEnergy {
+ public:
+  /// \param matrix what add_hessian() will add to; its elements give the triangles
+  /// \param stiffness m factors, or empty: all 1
+  RestEnergy(const Points& rest, const MeshMatrix& matrix, const Orientation& orientation,
+             const Eigen::VectorXd& stiffness);
+
+  /// The same for triangles that do not fit together at rest: rest_of(t, v) is where triangle t has its
+  /// corner v.
+  using RestOf = std::function<Eigen::Vector2d(int t, int v)>;
+  RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Orientation& orientation,
+             const Eigen::VectorXd& stiffness);
+
+  /// Chooses the triangles to be repaired, those with det J below 1e-3 at x. To be called before the others
+  /// when x was not reached from a shape without inverted triangles.
+  void relax(const Points& x);
+  /// Ends the repair of triangles that have come right, and sets χ to a tenth for the others at x. This
+  /// changes the energy.
+  void tighten(const Points& x);
+
+  double value(const Points& x) const;
+  /// Value, and n×2 derivatives by the vertices.
+  double gradient(const Points& x, Points& result) const;
+  /// Adds the Hessian at x of the parts that are `active`; with `project` that of each triangle without its
+  /// negative eigenvalues (under repair and flat triangles are always projected).
+  void add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix,
+                   bool project = true) const;
+  /// The least t > 0 at which x + t·direction has a triangle without area that has some at x; infinite if
+  /// there is none. Triangles that are inverted at x do not count.
+  double first_collapse(const Points& x, const Points& direction) const;
+
+ private:
+  struct Triangle {
+    std::array<int, 3> vertex;  ///< in the order of the matrix's element
+    double g1x, g1y, g2x, g2y;  ///< half the gradients at rest of the hat functions of corners 1 and 2
+    double inverse;             ///< of twice the signed area at rest
+    double weight;              ///< k_t A_t; 0 for a flat triangle
+    double softening;           ///< ε² of χ, 0 if not under repair
+  };
+  struct FlatTriangle {
+    int triangle;
+    std::array<int, 3> vertex;
+    std::array<Eigen::Vector2d, 3> side;  ///< at rest, opposite to the corner
+    double weight;
+  };
+  struct Jacobian;
+
+  static Jacobian jacobian(const Triangle& triangle, const Points& x);
+  double add_flat_gradient(const FlatTriangle& flat, const Points& x, Points* result) const;
+
+  std::vector<Triangle> triangles_;
+  std::vector<FlatTriangle> flat_;
+};
+
+}  // namespace planar

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/SparseCholesky>
+
+#include "mesh/edge_graph.h"
+
+namespace planar {
+
+/// Places vertices by wanted edge vectors, (10) of Li et al. 2013: minimises Σ w |p_b - p_a - e|². The first
+/// vertex of each part and isolated vertices lie at 0.
+///
+/// The factor is Eigen's, not SparseSolver's: its entries are needed to solve for several frames in one pass
+/// through it, in several threads, which is what makes a thousand frames cheap.
+class FrameAssembler {
+ public:
+  /// Frames that are solved in one pass; tables of frames have a multiple of it as columns.
+  static constexpr Eigen::Index lanes = 4;
+  static Eigen::Index padded(Eigen::Index frames) { return (frames + lanes - 1) / lanes * lanes; }
+
+  explicit FrameAssembler(const EdgeGraph& graph);
+
+  /// \param weights w, one an edge, above 0
+  /// \throw SolveError a singular system
+  void factorize(const Eigen::VectorXd& weights);
+
+  /// Fills in the points of frames first..first+lanes-1 from the same columns of `edges`. May be called in
+  /// several threads at once; what a frame becomes does not depend on its neighbours.
+  void assemble(const ComplexRows& edges, Eigen::Index first, ComplexRows& points) const;
+
+  /// The same for one frame of one column.
+  void assemble_one(const ComplexRows& edges, ComplexRows& points) const;
+
+ private:
+  template <Eigen::Index width>
+  void solve(const ComplexRows& edges, Eigen::Index first, ComplexRows& points) const;
+
+  const EdgeGraph& graph_;
+  Eigen::VectorXd weights_;
+  Eigen::SparseMatrix<double> matrix_;
+  std::vector<int> entry_;     ///< of an edge among the values of matrix_
+  std::vector<int> diagonal_;  ///< of a vertex
+  std::vector<int> pinned_;    ///< the first vertex of each part, and isolated ones
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  std::vector<int> place_;  ///< of a vertex in the factor's order
+  Eigen::VectorXd inverse_diagonal_;
+};
+
+}  // namespace planar

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstring>
+
+#include "linear/block_product.h"
+#include "linear/block_product_kinds.h"
+
+#ifdef PLANAR_AVX2
+// From here on, after everything that other sources compile as well.
+#pragma GCC target("avx2,fma")
+#include "linear/block_product_tiles.h"
+
+namespace planar {
+
+void lower_product_avx2(const double* a, int m, int n, int k, std::ptrdiff_t stride, double* c) {
+  using Vector = double __attribute__((vector_size(32)));
+  multiply_tiles<Vector>(a, m, n, k, stride, c);
+}
+
+}  // namespace planar
+#endif

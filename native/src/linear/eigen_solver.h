@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linear/sparse_solver.h"
+
+namespace planar {
+
+std::unique_ptr<SparseSolver> make_eigen_solver();
+
+}  // namespace planar

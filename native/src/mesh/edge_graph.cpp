@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/edge_graph.h"
+
+#include <limits>
+#include <string>
+
+#include "base/checks.h"
+#include "base/disjoint_sets.h"
+#include "mesh/mesh.h"
+
+namespace planar {
+
+EdgeGraph::EdgeGraph(Eigen::Index vertex_count, const Triangles& rows)
+    : n_vertices(0), n_parts(0), triangles(rows) {
+  if (rows.rows() == 0) throw std::invalid_argument("triangles is empty: a mesh needs at least one triangle");
+  Mesh mesh(vertex_count, rows);
+  n_vertices = mesh.n_vertices;
+  n_parts = mesh.n_parts;
+  edges = std::move(mesh.edges);
+  part = std::move(mesh.part);
+}
+
+EdgeGraph::EdgeGraph(Eigen::Index vertex_count, const Edges& rows) : n_vertices(0), n_parts(0) {
+  if (rows.rows() == 0) throw std::invalid_argument("edges is empty: a shape needs at least one edge");
+  if (vertex_count > std::numeric_limits<int>::max() / 32 ||
+      rows.rows() > std::numeric_limits<int>::max() / 32) {
+    throw std::invalid_argument("edges: a shape of this size is not supported");
+  }
+  n_vertices = static_cast<int>(vertex_count);
+  DisjointSets connected(this->vertex_count());
+  part.assign(this->vertex_count(), -1);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const int a = rows(i, 0), b = rows(i, 1);
+    for (const int vertex : {a, b}) {
+      if (vertex < 0 || vertex >= n_vertices) {
+        throw std::invalid_argument(row_of("edges", i) + "vertex " + std::to_string(vertex) +
+                                    " is out of range, the shape has " + std::to_string(n_vertices) +
+                                    " vertices");
+      }
+    }
+    if (a == b) throw std::invalid_argument(row_of("edges", i) + "names a vertex twice");
+    edges.push_back({a, b});
+    connected.join(a, b);
+    part[static_cast<std::size_t>(a)] = part[static_cast<std::size_t>(b)] = 0;
+  }
+  for (int v = 0; v < n_vertices; ++v) {
+    int& number = part[static_cast<std::size_t>(v)];
+    if (number == -1) continue;
+    const int root = connected.find(v);
+    number = root == v ? n_parts++ : part[static_cast<std::size_t>(root)];
+  }
+}
+
+}  // namespace planar

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "posing/akvf_method.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace planar {
+
+namespace {
+
+constexpr double largest_turn = 0.26;    // of an edge in a substep: 15°
+constexpr double least_area_left = 0.7;  // of a triangle after a substep
+constexpr int substep_budget = 32;       // of a step
+constexpr int halving_budget = 8;        // of a substep under which triangles collapse
+constexpr int sharing_budget = 10;       // passes over the triangles of such a substep
+constexpr int settle_budget = 32;        // steps
+constexpr double reached = 1e-3;         // of the box diagonal
+constexpr double settled = 1e-6;         // of the box diagonal
+constexpr double nearer = 0.99;  // a step of settle() that leaves more of the distance than this is the last
+constexpr double least_straight = 0.85;  // 1/|φ(z)| at |z| = largest_turn, at least
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+AkvfMethod::AkvfMethod(const Points& rest, Triangles triangles, const Eigen::VectorXd& stiffness)
+    : diagonal_((rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm()),
+      solver_(Mesh(rest.rows(), std::move(triangles)), {}),
+      spirals_(solver_.mesh()),
+      orientation_(rest, solver_.mesh().triangles),
+      guard_(rest, solver_.mesh().triangles, stiffness) {}
+
+void AkvfMethod::set_handles(const HandleSet& set) {
+  std::vector<Pin> compiled = solver_.compile(set.handles, set.strength, set.patch);
+  Handles handles = set.handles;
+  std::map<int, std::vector<int>> parts;
+  for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
+    parts[solver_.mesh().part[static_cast<std::size_t>(handles.vertices(row, 0))]].push_back(row);
+  }
+  std::vector<MovingTogether> together;
+  together.reserve(parts.size() + set.patches.size());
+  for (auto& [part, rows] : parts) together.push_back({std::move(rows), false});
+  for (const auto& rows : set.patches) together.push_back({rows, true});
+  solver_.use(std::move(compiled));
+  together_ = std::move(together);
+  handles_ = std::move(handles);
+}
+
+void AkvfMethod::move(const Points& targets, Points& x, Report& report) {
+  step(targets, x, report);
+  report.converged = furthest(x, targets) <= reached * diagonal_;
+}
+
+void AkvfMethod::refine(const Points& targets, Points& x, Report& report) {
+  ++report.iterations;
+  substep(targets, x, refine_limit * diagonal_, report);
+  report.converged = furthest(x, targets) <= reached * diagonal_;
+}
+
+void AkvfMethod::settle(const Points& targets, Points& x, Report& report) {
+  Points best = x;
+  double distance = furthest(best, targets);
+  for (int i = 0; i < settle_budget && distance > settled * diagonal_; ++i) {
+    step(targets, x, report);
+    const double left = furthest(x, targets);
+    if (left < distance) best = x;
+    if (!(left <= nearer * distance)) break;
+    distance = left;
+  }
+  std::swap(x, best);
+  report.converged = furthest(x, targets) <= reached * diagonal_;
+}
+
+/// Moves x towards the targets.
+void AkvfMethod::step(const Points& targets, Points& x, Report& report) {
+  ++report.iterations;
+  for (int i = 0; i < substep_budget; ++i) {
+    if (!substep(targets, x, unlimited, report)) return;
+  }
+}
+
+/// Moves x towards the targets, no vertex by more than `limit`; false if nothing is left to do.
+bool AkvfMethod::substep(const Points& targets, Points& x, double limit, Report& report) {
+  const Points velocities = velocities_towards(handles_.positions(x), targets, together_);
+  if (velocities.isZero(0.0)) return false;
+  if (!solver_.is_prepared(x)) prepare(x);
+  solver_.solve(velocities, field_);
+  const double turn = spirals_.prepare(x, field_);
+  const double fastest = field_.rowwise().norm().maxCoeff();
+  double t = std::min({1.0, largest_turn / turn, least_straight * limit / fastest});
+  orientation_.measure(x, area_);
+  int halvings = 0;
+  while (!advance(t)) {
+    if (++halvings > halving_budget) return false;
+    t *= 0.5;
+  }
+  ++report.substeps;
+  std::swap(x, next_);
+  prepare(x);
+  return t < 1.0;
+}
+
+/// Has the systems at x factored while the caller goes on: whatever comes next, it starts from there.
+void AkvfMethod::prepare(const Points& x) {
+  guard_.stiffness(x, stiffness_);
+  solver_.prepare(x, stiffness_);
+}
+
+/// Advances the prepared spirals by t into `next_`; false if triangles collapse that evening out the spirals'
+/// factors does not help.
+bool AkvfMethod::advance(double t) {
+  spirals_.advance(t, next_);
+  if (!next_.allFinite()) return false;
+  for (int pass = 0; pass < sharing_budget; ++pass) {
+    bool collapse = false;
+    orientation_.measure(next_, next_area_);
+    for (std::size_t i = 0; i < area_.size(); ++i) {
+      if (area_[i] > 0.0 && !(next_area_[i] > least_area_left * area_[i])) {
+        spirals_.share(solver_.mesh().triangles.data() + 3 * i, next_);
+        collapse = true;
+      }
+    }
+    if (!collapse) return true;
+  }
+  return false;
+}
+
+double AkvfMethod::furthest(const Points& x, const Points& targets) const {
+  return targets.rows() == 0 ? 0.0 : (handles_.positions(x) - targets).rowwise().norm().maxCoeff();
+}
+
+}  // namespace planar

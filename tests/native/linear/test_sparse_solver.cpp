@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <thread>
+
+#include "energy/killing_energy.h"
+#include "linear/sparse_solver.h"
+#include "planar/types.h"
+#include "support.h"
+
+namespace planar::testing {
+namespace {
+
+SymmetricMatrix lower(const Eigen::MatrixXd& dense) {
+  SymmetricMatrix result;
+  result.size = static_cast<int>(dense.rows());
+  result.column_start.push_back(0);
+  for (int j = 0; j < result.size; ++j) {
+    for (int i = j; i < result.size; ++i) {
+      if (dense(i, j) == 0.0) continue;
+      result.row.push_back(i);
+      result.value.push_back(dense(i, j));
+    }
+    result.column_start.push_back(static_cast<int>(result.row.size()));
+  }
+  return result;
+}
+
+Eigen::MatrixXd positive_matrix(int side) {
+  const Shape shape = grid(side);
+  return dense_k(shape.vertices, shape.triangles) +
+         0.01 * Eigen::MatrixXd::Identity(2 * side * side, 2 * side * side);
+}
+
+class SparseSolverTest : public ::testing::TestWithParam<Backend> {};
+
+TEST_P(SparseSolverTest, SolvesLikeADenseFactorization) {
+  for (const int side : {2, 5, 14}) {
+    const Eigen::MatrixXd dense = positive_matrix(side);
+    const SymmetricMatrix matrix = lower(dense);
+    const auto solver = SparseSolver::create(GetParam());
+    solver->analyze(matrix);
+    solver->factorize(matrix);
+    const Eigen::VectorXd expected = flat(random_points(dense.rows() / 2, 3));
+    Eigen::VectorXd x;
+    solver->solve(dense * expected, x);
+    // Condition number up to 1e4, a few units in the last place: 1e-11.
+    EXPECT_LT((x - expected).lpNorm<Eigen::Infinity>(), 1e-11) << side;
+    Eigen::VectorXd in_place = dense * expected;
+    solver->solve(in_place, in_place);
+    EXPECT_EQ(in_place, x);
+  }
+}
+
+TEST_P(SparseSolverTest, FactorsNewValuesOfTheSamePattern) {
+  const Eigen::MatrixXd dense = positive_matrix(6);
+  const auto solver = SparseSolver::create(GetParam());
+  solver->analyze(lower(dense));
+  solver->factorize(lower(dense));
+  solver->factorize(lower(4.0 * dense));
+  Eigen::VectorXd x;
+  solver->solve(dense * Eigen::VectorXd::Ones(72), x);
+  EXPECT_LT((x - Eigen::VectorXd::Constant(72, 0.25)).lpNorm<Eigen::Infinity>(), 1e-11);
+}
+
+TEST_P(SparseSolverTest, OrderIsAPermutationThatSavesFill) {
+  const SymmetricMatrix pattern = lower(positive_matrix(12));
+  const auto solver = SparseSolver::create(GetParam());
+  std::vector<int> order = solver->fill_reducing_order(pattern);
+  EXPECT_NE(order.front(), 0);
+  std::sort(order.begin(), order.end());
+  std::vector<int> all(order.size());
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(order, all);
+}
+
+TEST_P(SparseSolverTest, IndefiniteMatricesFailAndLeaveTheSolverUsable) {
+  const Eigen::MatrixXd dense = positive_matrix(6);
+  Eigen::MatrixXd indefinite = dense;
+  indefinite(40, 40) = -1.0;
+  const auto solver = SparseSolver::create(GetParam());
+  solver->analyze(lower(dense));
+  EXPECT_THROW(solver->factorize(lower(indefinite)), SolveError);
+  solver->factorize(lower(dense));
+  Eigen::VectorXd x;
+  solver->solve(dense * Eigen::VectorXd::Ones(72), x);
+  EXPECT_LT((x - Eigen::VectorXd::Ones(72)).lpNorm<Eigen::Infinity>(), 1e-11);
+}
+
+TEST_P(SparseSolverTest, SolversInTwoThreadsGiveTheBitsOfOne) {
+  const Shape shape = grid(50);
+  const Mesh mesh(2500, shape.triangles);
+  std::vector<int> kept(2500);
+  std::iota(kept.begin(), kept.end(), 0);
+  KillingMatrix killing(mesh, kept);
+  killing.assemble(shape.vertices, {}, {1});
+  for (const int v : kept) killing.add(v, v, 0.01);
+  const SymmetricMatrix& matrix = killing.matrix();
+  const auto run = [&](Eigen::VectorXd& x) {
+    const auto solver = SparseSolver::create(GetParam());
+    solver->analyze(matrix);
+    for (int i = 0; i < 5; ++i) {
+      solver->factorize(matrix);
+      solver->solve(Eigen::VectorXd::Ones(matrix.size), x);
+    }
+  };
+  Eigen::VectorXd alone, first, second;
+  run(alone);
+  std::thread other([&] { run(first); });
+  run(second);
+  other.join();
+  EXPECT_EQ(alone, first);
+  EXPECT_EQ(alone, second);
+}
+
+TEST_P(SparseSolverTest, LargeSystemsAndRightSidesOfAFewNumbers) {
+  // Blocks of all sizes, and a shape whose factor has gaps.
+  const Shape shape = joined(grid(45), ring(300));
+  const Mesh mesh(shape.vertices.rows(), shape.triangles);
+  const auto solver = SparseSolver::create(GetParam());
+  std::vector<int> kept(static_cast<std::size_t>(mesh.n_vertices));
+  std::iota(kept.begin(), kept.end(), 0);
+  KillingMatrix killing(mesh, solver->fill_reducing_order(vertex_graph(mesh, kept)));
+  killing.assemble(shape.vertices, {}, {1, 1});
+  for (const int v : kept) killing.add(v, v, 0.01);
+  const SymmetricMatrix& matrix = killing.matrix();
+  solver->analyze(matrix);
+  solver->factorize(matrix);
+  const Eigen::Map<const Eigen::SparseMatrix<double>> lower(
+      matrix.size, matrix.size, static_cast<Eigen::Index>(matrix.row.size()), matrix.column_start.data(),
+      matrix.row.data(), matrix.value.data());
+  Eigen::VectorXd x;
+  for (const int step : {1, 1000}) {
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix.size);
+    for (int i = 7; i < matrix.size; i += step) right[i] = std::cos(i);
+    solver->solve(right, x);
+    const Eigen::VectorXd left = lower.selfadjointView<Eigen::Lower>() * x - right;
+    // Entries of the matrix up to 1e2, of x up to 1e2: some units in the last place.
+    EXPECT_LT(left.lpNorm<Eigen::Infinity>(), 1e-11) << step;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, SparseSolverTest, ::testing::ValuesIn(backends()), [](const auto& kind) {
+  return kind.param == Backend::cholmod ? "Cholmod" : "Eigen";
+});
+
+TEST(SparseSolver, MakesTheBackendsOfTheBuildAndNoOther) {
+  const std::vector<Backend> present = backends();
+  for (const Backend backend : {Backend::cholmod, Backend::eigen}) {
+    if (std::find(present.begin(), present.end(), backend) != present.end()) {
+      EXPECT_NE(SparseSolver::create(backend), nullptr);
+    } else {
+      EXPECT_THROW(SparseSolver::create(backend), std::invalid_argument);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planar::testing
