@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
 
 try:
     import planar_native
@@ -23,6 +26,15 @@ if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
     )
 
 Method = Literal["hold", "akvf"]
+
+
+class Elements(TypedDict, total=False):
+    """What joins points: one of the two, counted from 0."""
+
+    triangles: NDArray[np.int32]  # m x 3
+    edges: NDArray[np.int32]  # e x 2
+
+
 Cancelled = planar_native.Cancelled
 Inbetweens = planar_native.Inbetweens
 Poser = planar_native.Poser

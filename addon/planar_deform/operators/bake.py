@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
@@ -54,15 +56,15 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return bake.refusal(context.object)
 
     @classmethod
-    def description(cls, context, properties):
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         chosen = next(text for form, _, text in bake.FORMS if form == properties.to)
         return f"{cls.bl_description}: {chosen[0].lower()}{chosen[1:]}"
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         obj = context.object
         self._complete(context)
         if self.to == "POINT_CACHE" and not self.replace and point_cache.is_foreign(obj, self.filepath):
@@ -76,21 +78,21 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
             )
         return super().invoke(context, event)
 
-    def cancel(self, context):
+    def cancel(self, context: bpy.types.Context) -> None:
         if hasattr(self, "_run"):  # it is not the question that has been answered by no
             super().cancel(context)
 
-    def job(self, context):
+    def job(self, context: bpy.types.Context) -> Job:
         obj = context.object
         self._complete(context)
         frames = bake.frames_of(self.frame_start, self.frame_end, self.frame_step)
         return Job(write=lambda _: self._bake(obj, frames), summary=lambda _: self._summary(frames))
 
-    def _bake(self, obj, frames):
+    def _bake(self, obj: bpy.types.Object, frames: range) -> Iterator[float]:
         yield from bake.to(self.to, obj, frames, self.filepath, replace=self.replace, free=self.free)
         self.replace = True  # in the redo panel the file is that of this very bake
 
-    def _complete(self, context):
+    def _complete(self, context: bpy.types.Context) -> None:
         """Give what is not said its default, so that the redo panel shows it."""
         first, last = bake.frame_range(context.scene)
         defaults = {
@@ -102,11 +104,11 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
             if not self.properties.is_property_set(name) or getattr(self, name) == "":
                 setattr(self, name, value)
 
-    def _summary(self, frames):
+    def _summary(self, frames: range) -> str:
         what = {"SHAPES": "poses", "POINT_CACHE": f"'{self.filepath}'", "RELATIVE_KEYS": "shape keys"}
         return f"Baked frames {frames[0]} to {frames[-1]} to {what[self.to]}"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
         column.use_property_split = True
         column.prop(self, "to")

@@ -24,7 +24,7 @@ class PLANAR_OT_click(bpy.types.Operator):
     add: BoolProperty(name="Add", description="Add a pin under the mouse", options={"SKIP_SAVE"})
     extend: BoolProperty(name="Extend", description="Keep what is selected", options={"SKIP_SAVE"})
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         region, view = context.region, context.region_data
         if view is None:
             return {"PASS_THROUGH"}
@@ -51,7 +51,7 @@ class PLANAR_OT_click(bpy.types.Operator):
             bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="NONE")
         return {"FINISHED"}
 
-    def _add(self, context, origin, direction):
+    def _add(self, context: bpy.types.Context, origin: Array, direction: Array) -> set[str]:
         try:
             scene = begin(context)
             point = scene.pick(origin, direction)
@@ -68,7 +68,7 @@ class PLANAR_OT_click(bpy.types.Operator):
         bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=place[0].tolist())
         return {"FINISHED"}
 
-    def _activate(self, context, obj):
+    def _activate(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         if not self.extend:
             for selected in context.selected_objects:
                 selected.select_set(False)

@@ -12,7 +12,7 @@ import numpy as np
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from ..errors import Refusal
-from ..model.input.drag import Mode
+from ..model.input.drag import Drag, Mode, Point
 from ..model.posing.pose_action import Sample, Solved, carried_path
 from .modal.plane_mouse import PlaneMouse
 from .modal.pose_drag import SceneAction
@@ -63,7 +63,7 @@ class PinTransform(Interactive):
     path: StringProperty(name="Path", description="Way the mouse took, as recorded by a drag", options=HIDDEN)
     letters: StringProperty(default="XY", options=HIDDEN)  # names of the plane's axes, for the redo panel
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             recorded = unpack_path(self.path)
             path = self.edited(recorded)
@@ -79,9 +79,17 @@ class PinTransform(Interactive):
         """What to turn about, in the world; None: the centre of the pins."""
         return None
 
+    def edited(self, path: list[Sample]) -> list[Sample]:
+        """The recorded path, made to end as the properties say, in a subclass."""
+        raise NotImplementedError
+
+    def set_end(self, sample: Sample) -> None:
+        """Let the properties say that the path ends here, in a subclass."""
+        raise NotImplementedError
+
     # ---- by mouse and keys
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if context.region_data is None:
             self.report({"ERROR"}, "Pins are dragged in a 3D view: move the mouse over one")
             return {"CANCELLED"}
@@ -90,8 +98,8 @@ class PinTransform(Interactive):
         try:
             self._action = SceneAction(context, self.pin, self.extend, pivot=self.given_pivot())
             self._mouse = PlaneMouse(self._action, context.region, context.region_data, event)
-            self._press = (event.mouse_x, event.mouse_y) if pressed else None
-            self._drag = None if pressed else self._mouse.begin(self.mode)
+            self._press: Point | None = (event.mouse_x, event.mouse_y) if pressed else None
+            self._drag: Drag | None = None if pressed else self._mouse.begin(self.mode)
         except Refusal as refusal:
             self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
@@ -107,7 +115,7 @@ class PinTransform(Interactive):
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def handle(self, context, event):
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         pressed = event.value == "PRESS"
         if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
             return self.stop()
@@ -122,6 +130,7 @@ class PinTransform(Interactive):
             return {"PASS_THROUGH"}
         if self._drag is None and not self._dragged(context, event):
             return {"RUNNING_MODAL"}
+        assert self._drag is not None  # it has begun by now
         drag = self._drag.held(shift=event.shift, ctrl=event.ctrl)
         if event.type == "MOUSEMOVE":
             drag = self._mouse.moved(context.region, context.region_data, event, drag)
@@ -139,8 +148,9 @@ class PinTransform(Interactive):
         self._drag = drag
         return {"RUNNING_MODAL"}
 
-    def _dragged(self, context, event):
+    def _dragged(self, context: bpy.types.Context, event: bpy.types.Event) -> bool:
         """Whether a pressed pin is being dragged by now and not just clicked; starts the drag then."""
+        assert self._press is not None  # or the drag would have begun at once
         inputs = context.preferences.inputs
         far = inputs.drag_threshold_tablet if event.is_tablet else inputs.drag_threshold_mouse
         far *= context.preferences.system.ui_scale
@@ -150,7 +160,7 @@ class PinTransform(Interactive):
         self._drag = self._mouse.begin(self.mode)
         return True
 
-    def _confirm(self):
+    def _confirm(self) -> set[str]:
         if self._drag is None:
             changed = self._action.click()
             self.leave()
@@ -162,6 +172,7 @@ class PinTransform(Interactive):
         return self.release()
 
     def keep_result(self, solved: Solved) -> None:
+        assert self._drag is not None  # what it asked for has been solved
         self.path, self.letters = pack_path(solved.path), "".join(self._drag.letters)
         self.set_end(solved.path[-1])
 
@@ -172,7 +183,7 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     bl_description = "Move the selected pins; the drawing follows"
 
     @classmethod
-    def description(cls, context, properties):
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """Names the pin under the mouse."""
         pins = context.object.planar.pins if context.object is not None else ()
         if 0 <= properties.pin < len(pins):
@@ -194,7 +205,7 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     def set_end(self, sample: Sample) -> None:
         self.offset = sample[:2]
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column(align=True)
         column.use_property_split = True
         for index, letter in enumerate(self.letters[:2]):
@@ -231,7 +242,7 @@ class PLANAR_OT_rotate_pins(PinTransform, bpy.types.Operator):
     def set_end(self, sample: Sample) -> None:
         self.angle = sample[2]
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         self.layout.prop(self, "angle")
 

@@ -38,10 +38,10 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return planning.refusal(context.object)
 
-    def job(self, context):
+    def job(self, context: bpy.types.Context) -> Job:
         settings = context.object.planar
         if not self.properties.is_property_set("path"):
             self.path = settings.anchor_path
@@ -58,13 +58,13 @@ class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
     bl_description = "Take all generated shapes out: the poses and their timing are as before generating"
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         reason = super().refusal(context)
         if reason is None and not stretches.has_inbetweens(context.object):
             return "There are no in-betweens: use Generate In-Betweens first"
         return reason
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         settle(context)
         writing.remove(context.object)
 

@@ -17,12 +17,12 @@ class MotionOperator(LongOperator):
     """Works on the pose sequence of the active object."""
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         obj = context.object
         return super().refusal(context) or pose_state.absence(obj) or pose_state.refusal(obj)
 
     @classmethod
-    def repeats(cls, context) -> bool:
+    def repeats(cls, context: bpy.types.Context) -> bool:
         """Whether it has just been done: the redo panel asks before it takes back what that has changed."""
         return isinstance(context.active_operator, cls)
 
@@ -36,10 +36,10 @@ class PLANAR_OT_transfer_motion(MotionOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return super().refusal(context) or transfer_refusal(context)
 
-    def job(self, context):
+    def job(self, context: bpy.types.Context) -> Job:
         transfer = Transfer(context)
         return Job(transfer.write, transfer.solve)
 
@@ -55,10 +55,10 @@ class PLANAR_OT_edit_sequence(MotionOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return super().refusal(context) or (None if cls.repeats(context) else edit_refusal(context))
 
-    def job(self, context):
+    def job(self, context: bpy.types.Context) -> Job:
         edit = SequenceEdit(context, self.keep_poses)
         return Job(edit.write, edit.solve)
 
@@ -78,10 +78,10 @@ class PLANAR_OT_thin_poses(MotionOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return super().refusal(context) or (None if cls.repeats(context) else thin_refusal(context))
 
-    def job(self, context):
+    def job(self, context: bpy.types.Context) -> Job:
         thinning = Thinning(context, self.tolerance)
         return Job(thinning.write, thinning.solve, thinning.summary)
 

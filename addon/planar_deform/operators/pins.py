@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from ..errors import Refusal
-from ..scene.objects.cutout_object import begin, pose_refusal
+from ..scene.objects.cutout_object import SceneCutout, begin, pose_refusal
 from ..scene.pins import pin_list
 from ..scene.properties import KINDS
 from .posing_operator import PosingOperator, Refusing
@@ -20,10 +22,14 @@ ON_MESH = 0.01
 class PinOperator(PosingOperator):
     """Changes the pins of a mesh that can be posed."""
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         scene = begin(context)
         pin_list.sync(context.object)
         self.change(context.object, scene)
+
+    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
+        """Change the pins, in a subclass. Raises Refusal, with nothing changed."""
+        raise NotImplementedError
 
 
 class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
@@ -38,7 +44,7 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
         name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
     )
 
-    def change(self, obj, scene):
+    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
         point = scene.nearest(np.array(self.location, dtype=np.float64), ON_MESH * scene.cutout.diagonal)
         if point is None:
             raise Refusal("No mesh there: add the pin at a point of the drawing")
@@ -57,7 +63,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def change(self, obj, scene):
+    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
         selected = np.empty(len(obj.data.vertices), bool)
         obj.data.vertices.foreach_get("select", selected)
         on_faces = scene.vertex_indices[selected[scene.vertex_indices]].tolist()
@@ -78,7 +84,7 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
     group: StringProperty(name="Vertex Group", description="Group to pin; empty for the active one")
     kind: EnumProperty(name="Kind", description="Kind of the new pin", items=KINDS)
 
-    def change(self, obj, scene):
+    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
         group = obj.vertex_groups.get(self.group) if self.group else obj.vertex_groups.active
         if group is None:
             wanted = f"No vertex group '{self.group}'" if self.group else "No active vertex group"
@@ -96,7 +102,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def change(self, obj, scene):
+    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
         taken = {pin.group for pin in obj.planar.pins} | {obj.planar.stiffness_group}
         new = [group for group in obj.vertex_groups if group.name not in taken]
         if not new:
@@ -113,7 +119,7 @@ class PinListOperator(Refusing):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return _list_refusal(context.object)
 
 
@@ -125,7 +131,7 @@ class PLANAR_OT_remove_pins(bpy.types.Operator):
     bl_description = "Remove the selected pins; the drawing stays as it is"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
         reason = _list_refusal(obj)
         if reason is not None:
@@ -161,7 +167,7 @@ class PLANAR_OT_select_pins(PinListOperator, bpy.types.Operator):
     )
     extend: BoolProperty(name="Extend", description="Keep the other pins as they are", default=False)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         settings = context.object.planar
         every = range(len(settings.pins))
         selected = {index for index in every if settings.pins[index].select}
@@ -186,7 +192,7 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="How the pins hold the drawing", items=KINDS)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         changed = [pin for pin in context.object.planar.pins if pin.select and pin.kind != self.kind]
         if not changed:
             self.report({"WARNING"}, "No selected pin is of another kind: select some first")
@@ -196,7 +202,7 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _list_refusal(obj):
+def _list_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why the pin list of an object cannot be changed, and what to do; None if it can."""
     if obj is None or obj.type != "MESH" or not obj.planar.pins:
         return "No pins: add some first"
@@ -204,7 +210,7 @@ def _list_refusal(obj):
     return None if local and obj.mode == "OBJECT" else pose_refusal(obj)
 
 
-def _select(obj, wanted):
+def _select(obj: bpy.types.Object, wanted: Iterable[int]) -> None:
     wanted = set(wanted)
     for index, pin in enumerate(obj.planar.pins):
         pin.select = index in wanted

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 
 import bpy
@@ -10,6 +11,7 @@ from bpy.props import EnumProperty, FloatProperty
 
 from .. import native
 from ..errors import Refusal
+from ..model.plane.frame import Array
 from ..model.posing import solver_cache, solving
 from ..model.posing.pin_reset import PinReset
 from ..model.posing.pins import Holder
@@ -17,7 +19,7 @@ from ..model.posing.pose_action import PinResult
 from ..model.posing.pose_copy import CopiedPose, copied, pasted
 from ..model.posing.symmetry import NotSymmetricError, find_symmetry, partner_pins
 from ..scene.objects.connectivity import connectivity_of
-from ..scene.objects.cutout_object import begin
+from ..scene.objects.cutout_object import SceneCutout, begin
 from ..scene.pins import pin_list
 from .keying import auto_key
 from .posing_operator import PosingOperator
@@ -31,7 +33,7 @@ class PLANAR_OT_copy_pose(PosingOperator, bpy.types.Operator):
     bl_description = "Copy the pose that is shown, to be pasted on this or an equally built drawing"
     bl_options = {"REGISTER"}
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         global _clipboard
         scene = begin(context)
         connectivity = connectivity_of(context.object.data, scene.vertex_indices)
@@ -43,7 +45,7 @@ class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
     bl_label = "Paste Pose"
     bl_description = "Give the drawing the copied pose"
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         if _clipboard is None:
             raise Refusal("No pose has been copied: use Copy Pose first")
         obj, scene = context.object, begin(context)
@@ -75,7 +77,7 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
         precision=4,
     )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         obj, scene = context.object, begin(context)
         rest, tolerance = scene.cutout.rest, self.tolerance * scene.cutout.diagonal
         edges = connectivity_of(obj.data, scene.vertex_indices).edges()
@@ -100,7 +102,7 @@ class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
     bl_label = "Reset Selected Pins"
     bl_description = "Take the selected pins back to where they are at rest; the drawing follows"
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         solving.halt()
         obj, scene = context.object, begin(context)
         pin_list.sync(obj)
@@ -118,14 +120,16 @@ class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
         _show(context, scene, action.positions, action.results())
 
 
-def _named(obj, scene):
+def _named(obj: bpy.types.Object, scene: SceneCutout) -> list[tuple[str, Holder]]:
     """The object's usable pins by name, bound to its cutout."""
     pin_list.sync(obj)
     usable = pin_list.model_pins(obj, scene)
     return [(obj.planar.pins[pin.key].name, Holder(pin, scene.cutout)) for pin in usable]
 
 
-def _show(context, scene, positions, results):
+def _show(
+    context: bpy.types.Context, scene: SceneCutout, positions: Array, results: Iterable[PinResult]
+) -> None:
     scene.write(positions)
     pin_list.store_results(context.object, scene, results)
     auto_key(context)

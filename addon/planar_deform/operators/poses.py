@@ -21,11 +21,11 @@ class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
     bl_description = "Keep the pose that is shown as the pose of the current frame"
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         obj = context.object
         return super().refusal(context) or modifiers.covering(obj) or pose_state.refusal(obj)
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         key_shown(context)
 
 
@@ -33,7 +33,7 @@ class PoseListOperator(ShapeOperator):
     """Works on the poses of an object that has some."""
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return super().refusal(context) or pose_state.absence(context.object)
 
 
@@ -48,12 +48,16 @@ class OnePoseOperator(PoseListOperator):
         options={"SKIP_SAVE"},
     )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         settings = context.object.planar
         pose = settings.active_pose if self.pose < 0 else self.pose
         if not 0 <= pose < len(settings.poses):
             raise Refusal(f"There is no pose {pose}: the object has {len(settings.poses)}")
         self.act(context, pose)
+
+    def act(self, context: bpy.types.Context, pose: int) -> None:
+        """Do it to the pose of this index, in a subclass. Raises Refusal, with nothing changed."""
+        raise NotImplementedError
 
 
 class PLANAR_OT_delete_pose(OnePoseOperator, bpy.types.Operator):
@@ -61,7 +65,7 @@ class PLANAR_OT_delete_pose(OnePoseOperator, bpy.types.Operator):
     bl_label = "Delete Pose"
     bl_description = "Take a pose and its keys away; with the last one, the object is as it was before them"
 
-    def act(self, context, pose):
+    def act(self, context: bpy.types.Context, pose: int) -> None:
         pose_edit.remove(context.object, pose)
 
 
@@ -70,7 +74,7 @@ class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
     bl_label = "Jump to Pose"
     bl_description = "Go to the frame of a pose"
 
-    def act(self, context, pose):
+    def act(self, context: bpy.types.Context, pose: int) -> None:
         obj = context.object
         frames = pose_state.frames_of(obj, pose)
         if not frames:
@@ -85,7 +89,7 @@ class PLANAR_OT_clear_poses(PoseListOperator, bpy.types.Operator):
     bl_label = "Clear Poses"
     bl_description = "Take all poses away: the object is as it was before the first one was keyed"
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         pose_edit.clear(context.object)
 
 
@@ -94,7 +98,7 @@ class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):
     bl_label = "Update Pose"
     bl_description = "Replace a pose by what is shown"
 
-    def act(self, context, pose):
+    def act(self, context: bpy.types.Context, pose: int) -> None:
         scene = begin_shape(context)
         pose_list.give_shape(context.object, pose, scene.coordinates(scene.positions))
 
@@ -102,11 +106,13 @@ class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):
 class PoseAtFrameOperator(OnePoseOperator):
     """Works on one pose and a frame."""
 
+    properties: bpy.types.OperatorProperties  # of Blender's operators
+
     frame: FloatProperty(
         name="Frame", description="Frame to use; by default the current one", options={"SKIP_SAVE"}
     )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         if not self.properties.is_property_set("frame"):
             self.frame = context.scene.frame_current_final
         super().apply(context)
@@ -117,7 +123,7 @@ class PLANAR_OT_duplicate_pose(PoseAtFrameOperator, bpy.types.Operator):
     bl_label = "Duplicate Pose"
     bl_description = "Key a pose once more at the current frame, as a pose of its own"
 
-    def act(self, context, pose):
+    def act(self, context: bpy.types.Context, pose: int) -> None:
         pose_list.duplicate(context.object, pose, self.frame)
 
 
@@ -126,7 +132,7 @@ class PLANAR_OT_retime_pose(PoseAtFrameOperator, bpy.types.Operator):
     bl_label = "Move Pose to Frame"
     bl_description = "Show a pose at the current frame, and no longer where it was, also past other poses"
 
-    def act(self, context, pose):
+    def act(self, context: bpy.types.Context, pose: int) -> None:
         pose_list.retime(context.object, pose, self.frame)
 
 
@@ -137,7 +143,7 @@ class PLANAR_OT_step_poses(PoseListOperator, bpy.types.Operator):
 
     step: IntProperty(name="Step", description="Frames for which each one stays", default=2, min=1, max=100)
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         settle(context)
         pose_list.set_step(context.object, self.step)
 

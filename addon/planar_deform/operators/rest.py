@@ -19,7 +19,7 @@ class PLANAR_OT_set_rest_to_current(PosingOperator, bpy.types.Operator):
         "the Basis and the other keys keep their differences"
     )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         rest_shape.set_to_current(context.object)
         pin_list.forget_targets(context.object)
 
@@ -31,7 +31,7 @@ class PLANAR_OT_reset_to_rest(PosingOperator, bpy.types.Operator):
         "Take the pose away: the mesh, or the active shape key, goes back to the rest shape, the pins with it"
     )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         begin(context).write_rest()
         pin_list.forget_targets(context.object)
 

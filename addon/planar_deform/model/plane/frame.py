@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Array32 = NDArray[np.float32]  # as Blender keeps coordinates
 Indices = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 

@@ -6,13 +6,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .frame import Array, Indices, Mask
+from .frame import Array, Array32, Indices, Mask
 
-Stored = NDArray[np.float32]  # as Blender keeps coordinates
 Complex = NDArray[np.complex128]
 
 
-def copied_along_edges(rest: Stored, current: Array, triangles: Indices, least: float) -> Mask:
+def copied_along_edges(rest: Array32, current: Array, triangles: Indices, least: float) -> Mask:
     """The vertices (mask n) whose rest is a copy of a neighbour's that is more than `least` away.
 
     That is what extruding leaves: Blender copies the point attributes of the source vertex to the new one,
@@ -27,8 +26,8 @@ def copied_along_edges(rest: Stored, current: Array, triangles: Indices, least: 
     return copied
 
 
-def copied_parts(rest: Stored, parts: Indices) -> list[int]:
-    """The parts all of whose rest positions (n x 3, float32) repeat those of vertices of earlier parts.
+def copied_parts(rest: Array | Array32, parts: Indices) -> list[int]:
+    """The parts all of whose rest positions (n x 3, as float32) repeat those of vertices of earlier parts.
 
     That is what duplicating a part leaves: its rest lies on top of the original's.
     """

@@ -15,11 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..plane.frame import Array, Indices, Mask
-
-Array32 = NDArray[np.float32]
+from ..plane.frame import Array, Array32, Indices, Mask
 
 SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
 SAME_PLACE = 0.05  # of two blocks, which are at least twice as far apart
@@ -34,7 +31,7 @@ class Visit:
     last: float
 
 
-def visits(timeline: Array, places: Sequence[float]) -> list[Visit]:
+def visits(timeline: Array32, places: Sequence[float]) -> list[Visit]:
     """The poses at `places` (ascending) that keys (k x 2: frame, value, in order of time) stand at.
 
     Keys of other values are retiming, and no visits.

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bisect
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +26,7 @@ class Thinned:
 def thin(
     shapes: Sequence[Array],
     fixed: set[int],
-    between: Callable[[list[int], int], Sequence[Array]],
+    between: Callable[[list[int], int], Iterable[Array]],
     tolerance: float,
     told: Callable[[float], None],
     *,

@@ -42,6 +42,8 @@ class Way:
         if reason is not None:
             raise Refusal(reason)
         before, behind = around(obj, self.frame)
+        assert before is not None  # or there is a reason
+        assert behind is not None
         self._take_way(obj, before, behind)
         self._holders: list[Holder] = []
         if isinstance(self.scene, SceneCutout):
@@ -52,7 +54,7 @@ class Way:
         """Show the shape at a share of the way, 0 to 1, or beyond the poses. Raises ObjectGone."""
         positions = self._at(share)
         self.scene.show(self._plan.coordinates(self._first, share, positions))
-        if self._holders:
+        if isinstance(self.scene, SceneCutout) and self._holders:
             snapshot.follow(self.scene, positions, pin_list.carried(self._holders, positions))
 
     def restore(self) -> None:
@@ -76,13 +78,14 @@ class Way:
         """Positions n x 2 at a share of the way."""
         start, end = self._plan.times[self._first : self._first + 2]
         motion = self._within if 0.0 <= share <= 1.0 else self._beyond
-        return motion.at([start + share * (end - start)], overshoot=True)[0]
+        positions: Array = motion.at([start + share * (end - start)], overshoot=True)[0]
+        return positions
 
     def _share_shown(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> float:
         """Where on the way the shape is that is shown at the start."""
         if pose_state.pose_at(obj, self.frame) is None and not pose_state.unkeyed(obj):
             share = (obj.data.shape_keys.eval_time - before.at) / (behind.at - before.at)
-            return min(max(share, 0.0), 1.0)
+            return float(min(max(share, 0.0), 1.0))
         return nearest_share(self._at, self.scene.positions)
 
 

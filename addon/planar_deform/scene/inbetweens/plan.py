@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ... import native
-from ...model.plane.frame import Array, Indices
+from ...model.plane.frame import Array, Array32, Indices
 from ...model.timing.order_of_time import Entry
 from ...model.work import Progress
 from ..objects.any_object import SceneShape
@@ -25,10 +25,10 @@ class Plan:
     """What is to be generated: plain data, so that it can be solved in a thread."""
 
     scene: SceneShape
-    shapes: list[np.ndarray]  # of the poses in the order of time, as stored
+    shapes: list[Array32]  # of the poses in the order of time, as stored
     keys: list[Array]  # the same n x 2
     rest: Array  # n x 2
-    elements: dict[str, Indices]
+    elements: native.Elements
     times: list[float]  # of the keys: frames, without those over which a pose is held
     samples: list[int]  # of each transition k -> k + 1: how many to generate
     turns: list[int]
@@ -68,7 +68,7 @@ class Plan:
             key_times=self.times[first : last + 1],
             turns=np.array(self.turns[first:last], np.int32)[:, None],
             anchor=anchors,
-            anchor_path=self.path.lower(),
+            anchor_path="arc" if self.path == "ARC" else "straight",
             joints=joined,
             smooth=self.smooth,
             progress=progress,
@@ -92,7 +92,7 @@ class Plan:
                     raise native.Cancelled
         return found
 
-    def coordinates(self, transition: int, share: float, positions: Array) -> np.ndarray:
+    def coordinates(self, transition: int, share: float, positions: Array) -> Array32:
         """The shape that shows n x 2 positions at this share of a transition; below 0 and above 1, too.
 
         What the plane does not tell goes from one pose to the other in proportion. Raises Refusal beyond what

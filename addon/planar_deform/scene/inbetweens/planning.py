@@ -19,10 +19,11 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.plane.frame import Indices
+from ...model.plane.frame import Array32, Indices
 from ...model.timing.order_of_time import Entry, frames_between
 from ...model.timing.played_curve import SAME_FRAME
-from ..objects.any_object import SceneShape, is_outline, shape_refusal
+from ..objects.any_object import SceneShape, shape_refusal
+from ..objects.cutout_object import SceneCutout
 from ..pins import pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
@@ -38,9 +39,11 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
     Cheap enough for polls.
     """
     reason = shape_refusal(obj)
-    if reason is None and (not pose_state.is_ours(obj) or len(keyed(obj.data.shape_keys)) < 2):
+    if obj is None or reason is not None:
+        return reason
+    if not pose_state.is_ours(obj) or len(keyed(obj.data.shape_keys)) < 2:
         return "Key two poses first: Key Pose at one frame, then another one at a later frame"
-    return reason
+    return None
 
 
 def plan(
@@ -65,7 +68,7 @@ def plan(
     found = stretches(obj)
     dropped = set() if poses is None else _places(obj, set(range(len(obj.planar.poses))) - set(poses))
     found = [stretch for stretch in found if stretch.start.source not in dropped]
-    starts = [stretch.start.source for stretch in found]
+    starts = [stretch.start.stands_at for stretch in found]
     entries = entries_of(obj, starts)
     played = [index for index, entry in enumerate(entries) if entry.first is not None]
     if len(played) < 2:
@@ -118,7 +121,7 @@ def way(scene: SceneShape, poses: Sequence[int], times: Sequence[float]) -> Plan
     return result
 
 
-def _plan_of(scene: SceneShape, obj: bpy.types.Object, shapes: list[np.ndarray], turns: list[int]) -> Plan:
+def _plan_of(scene: SceneShape, obj: bpy.types.Object, shapes: list[Array32], turns: list[int]) -> Plan:
     """A plan for these poses, without times and samples."""
     return Plan(
         scene=scene,
@@ -137,7 +140,7 @@ def _plan_of(scene: SceneShape, obj: bpy.types.Object, shapes: list[np.ndarray],
 
 def _held(scene: SceneShape, obj: bpy.types.Object) -> list[Indices]:
     """The vertices of each enabled pin in each part."""
-    pins = [] if is_outline(obj) else pin_list.model_pins(obj, scene)
+    pins = pin_list.model_pins(obj, scene) if isinstance(scene, SceneCutout) else []
     return [
         pin.vertices[scene.parts[pin.vertices] == part]
         for pin in pins
@@ -149,6 +152,8 @@ def _held(scene: SceneShape, obj: bpy.types.Object) -> list[Indices]:
 def _times(entries: Sequence[Entry]) -> list[float]:
     times = [0.0]
     for before, after in itertools.pairwise(entries):
+        assert before.last is not None  # all of these are played
+        assert after.first is not None
         times.append(times[-1] + max(after.first - before.last, SAME_FRAME))
     return times
 
@@ -164,7 +169,12 @@ def _stays(
 ) -> bool:
     """Whether what is generated behind a pose has been edited, and is to be generated from the same."""
     record = stretch.start.pose
-    if not (record["edited"] and stretch.samples) or before.copy or after.block != before.block + 1:
+    if (
+        record is None
+        or not (record["edited"] and stretch.samples)
+        or before.copy
+        or after.block != before.block + 1
+    ):
         return False
     return bool(record["stamp"] == stamps.of(made_of, transition, record["turns"], plan.path, plan.smooth))
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ... import compat
 from ...errors import Refusal
+from ...model.plane.frame import Array32
 from ...model.timing.played_curve import SAME_FRAME
 from ..objects.any_object import shape_refusal
 from ..sequence import playback, pose_edit, pose_showing, pose_state
@@ -76,7 +77,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
     The curve's modifiers, which are in the poses then, go, too. Raises Refusal and ObjectGone.
     """
     find = playback.finder(obj)
-    shapes = {}
+    shapes: dict[float, Array32] = {}
     for share, shape in _shown(find, frames):
         shapes[float(frames[len(shapes)])] = shape
         yield 0.5 * share
@@ -84,6 +85,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
         yield 0.5 + 0.5 * share
     keys = find().data.shape_keys
     curve = own_curve(keys)
+    assert curve is not None  # it has just got keys
     for modifier in [modifier for modifier in curve.modifiers if not modifier.mute]:
         curve.modifiers.remove(modifier)
     for point, frame in zip(curve.keyframe_points, keyed(keys)[:, 0], strict=True):
@@ -167,7 +169,7 @@ def _blend(obj: bpy.types.Object, names: list[str], frames: range) -> None:
         block.value = curve.evaluate(now)
 
 
-def _shown(find: Callable[[], bpy.types.Object], frames: range) -> Iterator[tuple[float, np.ndarray]]:
+def _shown(find: Callable[[], bpy.types.Object], frames: range) -> Iterator[tuple[float, Array32]]:
     """The share done and the shape, frame by frame."""
     for done, frame in enumerate(frames, 1):
         yield done / len(frames), pose_state.shape_at(find(), frame)

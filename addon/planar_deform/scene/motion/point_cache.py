@@ -22,6 +22,7 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
+from ...model.plane.frame import Array32
 
 MODIFIER = "Point Cache"
 SUFFIX = ".pc2"
@@ -39,9 +40,10 @@ def modifier_of(obj: bpy.types.Object) -> bpy.types.Modifier | None:
 def default_path(obj: bpy.types.Object) -> str:
     """Where the object's cache is, or is put if nothing else is said: beside the .blend, under its name."""
     modifier = modifier_of(obj)
-    path = None if modifier is None else _file_of(modifier)
-    if path is not None and path.parent.is_dir() and not _other_users(obj, path):
-        return modifier.filepath
+    if modifier is not None:
+        path = _file_of(modifier)
+        if path is not None and path.parent.is_dir() and not _other_users(obj, path):
+            return str(modifier.filepath)
     return f"//{bpy.path.clean_name(obj.name)}_planar{SUFFIX}"
 
 
@@ -103,7 +105,7 @@ def written(path: Path, count: int, frames: range) -> Iterator[BinaryIO]:
             partial.unlink(missing_ok=True)
 
 
-def sample(shape: np.ndarray) -> bytes:
+def sample(shape: Array32) -> bytes:
     """A shape, count x 3 coordinates, as the file has it."""
     return np.ascontiguousarray(shape[:, :3], "<f4").tobytes()
 
@@ -151,7 +153,7 @@ def _stored(path: Path) -> str:
     """The path as the .blend keeps it: relative to itself where there is a way from it."""
     if bpy.data.filepath:
         with contextlib.suppress(ValueError):  # another drive
-            return bpy.path.relpath(str(path))
+            return str(bpy.path.relpath(str(path)))
     return str(path)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ... import native
 from ...errors import ObjectGone, Refusal
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Array32
 from ...model.work import Progress
 from ..objects.any_object import begin_shape
 from ..sequence import pose_showing, pose_state, stretches
@@ -47,7 +47,9 @@ class SequenceEdit:
         at = np.round([block.frame for block in blocks]).tolist()
         listed = {round(pose.at): pose.name for pose in obj.planar.poses}
         kept = {index for index, place in enumerate(at) if keep_poses and place in listed}
-        place = float(np.clip(shown_curve(keys).evaluate(frame), at[0], at[-1]))
+        curve = shown_curve(keys)
+        assert curve is not None  # or there is a reason
+        place = float(np.clip(curve.evaluate(frame), at[0], at[-1]))
         high = int(np.searchsorted(at, place))
         low = high if at[high] == place else high - 1
         share = 0.0 if low == high else float(share_of(at[low], at[high], place))
@@ -71,7 +73,7 @@ class SequenceEdit:
         # The places of the poses behind which there are shapes that change.
         self._stretches = {place for place in at[first : last + (not kept)] if place in listed}
 
-    def solve(self, progress: Progress) -> dict[int, np.ndarray]:
+    def solve(self, progress: Progress) -> dict[int, Array32]:
         """The changed shapes, see storage/points.py, by their number; for a thread."""
         scene = self._scene
         frames = [scene.flattened(shape) for shape in self._shapes]
@@ -98,7 +100,7 @@ class SequenceEdit:
         three = native.edit_sequence([frames[low], blend, frames[high]], {1: wanted}, **self._scene.elements)
         return {low: three[0], high: three[2]}
 
-    def write(self, shapes: dict[int, np.ndarray]) -> Iterator[float]:
+    def write(self, shapes: dict[int, Array32]) -> Iterator[float]:
         """Write the changed shapes, one at each step; the share done. Closed before its end: as it was."""
         written: list[int] = []
         try:
@@ -116,7 +118,7 @@ class SequenceEdit:
         pose_showing.drop_scratch(obj)
         pose_showing.show_frame(obj)
 
-    def _put(self, index: int, shape: np.ndarray) -> None:
+    def _put(self, index: int, shape: Array32) -> None:
         obj = self._scene.resolve()
         block = obj.data.shape_keys.key_blocks.get(self._names[index])
         if block is None:

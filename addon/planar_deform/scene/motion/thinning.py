@@ -39,7 +39,7 @@ class Thinning:
         self._scene = begin_shape(context, unkeyed=True)  # the pose that is shown may go
         self._tolerance = tolerance
         self._times, self._fixed = _timing(obj)
-        self._way = planning.way(self._scene, range(len(self._times)), self._times)
+        self._way = planning.way(self._scene, range(len(self._times)), self._times.tolist())
 
     def solve(self, progress: Progress) -> Thinned:
         """Which poses stay; for a thread."""
@@ -89,7 +89,9 @@ def _timing(obj: bpy.types.Object) -> tuple[Array, set[int]]:
     """
     keys = obj.data.shape_keys
     timeline = keyed(keys).astype(np.float64)
-    even = [point.interpolation == "LINEAR" for point in shown_curve(keys).keyframe_points]
+    curve = shown_curve(keys)
+    assert curve is not None  # two keys at least are on it
+    even = [point.interpolation == "LINEAR" for point in curve.keyframe_points]
     at = np.array([pose.at for pose in obj.planar.poses])
     shown = np.abs(timeline[:, 1, None] - at) < SAME_PLACE
     pose_of = np.where(shown.any(axis=1), shown.argmax(axis=1), -1)  # of each key

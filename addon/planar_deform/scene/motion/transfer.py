@@ -11,7 +11,7 @@ import numpy as np
 
 from ... import compat, native
 from ...errors import Refusal
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Array32
 from ...model.work import Progress
 from ..objects.any_object import SceneShape, begin_shape, read_shape
 from ..objects.connectivity import shape_connectivity
@@ -20,6 +20,7 @@ from ..sequence.pose_blocks import played
 from ..storage.points import read_block
 
 CHUNK = 64  # frames between two looks at whether anybody still waits
+Setting = str | bool
 SETTINGS = ("anchor_path", "smooth", "curve_before")  # of the object, which tell how its in-betweens are made
 
 
@@ -44,7 +45,8 @@ class Transfer:
         self._blocks = playback.blocks_of(source)
         self._shapes = [read_block(source, block) for block in played(source.data.shape_keys)]
         self._stale = {pose for pose, _ in stretches.stale(source)}
-        self._places = [block.source for block in self._blocks], playback.places_of(self._blocks)
+        places = np.array([block.stands_at for block in self._blocks])
+        self._places = places, playback.places_of(self._blocks)
 
     def _read(self, obj: bpy.types.Object) -> SceneShape:
         try:
@@ -62,14 +64,14 @@ class Transfer:
             raise Refusal(f"'{obj.name}' is built differently from '{self._source.object_name}': {differs}")
         return target
 
-    def solve(self, progress: Progress) -> list[list[np.ndarray]]:
+    def solve(self, progress: Progress) -> list[list[Array32]]:
         """The shapes of each target, see storage/points.py, in the order of the blocks; for a thread."""
         source = self._source
         frames = [source.flattened(shape) for shape in self._shapes]
         starts = range(0, len(frames), CHUNK)
         result = []
         for count, target in enumerate(self._targets):
-            shapes: list[np.ndarray] = []
+            shapes: list[Array32] = []
             side = _side(source, target)
             for start in starts:
                 if not progress((count + start / len(frames)) / len(self._targets)):
@@ -80,9 +82,9 @@ class Transfer:
             result.append(shapes)
         return result
 
-    def write(self, shapes: list[list[np.ndarray]]) -> Iterator[float]:
+    def write(self, shapes: list[list[Array32]]) -> Iterator[float]:
         """Give each target its sequence, a block at each step; the share done. Closed before: as it was."""
-        begun: list[tuple[SceneShape, list]] = []
+        begun: list[tuple[SceneShape, list[Setting]]] = []
         try:
             for count, (target, own) in enumerate(zip(self._targets, shapes, strict=True)):
                 obj = target.resolve()
@@ -100,7 +102,7 @@ class Transfer:
                 _take_back(target, settings)
             raise
 
-    def _play(self, obj: bpy.types.Object, *_: np.ndarray) -> None:
+    def _play(self, obj: bpy.types.Object, *_: Array) -> None:
         """Give a target that has all blocks the source's timing and settings."""
         source, keys = self._source.resolve(), obj.data.shape_keys
         animation = source.data.shape_keys.animation_data
@@ -117,7 +119,7 @@ class Transfer:
                 stretches.mark(obj, [index], edited=pose.edited)
 
 
-def _take_back(target: SceneShape, settings: list) -> None:
+def _take_back(target: SceneShape, settings: list[Setting]) -> None:
     """Leave an object as it was before it was begun to be written."""
     obj = bpy.data.objects.get(target.object_name)
     if obj is None or obj.session_uid != target.session_uid:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ... import native
 from ...errors import Refusal
 from ...model.plane.cutout import Cutout, diagonal_of, make_cutout, signed_areas
 from ...model.plane.frame import Array, Indices, Mask, PlaneFrame, mapped, plane_frame
@@ -98,8 +99,8 @@ class SceneCutout(FlatObject):
         return self.cutout.rest
 
     @property
-    def elements(self) -> dict[str, Indices]:
-        """What joins the points, as the native functions take it: {"triangles": m x 3}."""
+    def elements(self) -> native.Elements:
+        """What joins the points: triangles."""
         return {"triangles": self.cutout.triangles}
 
     @property

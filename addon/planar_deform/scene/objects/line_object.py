@@ -11,10 +11,11 @@ from collections.abc import Iterable
 import bpy
 import numpy as np
 
+from ... import native
 from ...errors import Refusal
 from ...model.plane.connectivity import unique_edges
 from ...model.plane.cutout import connected_parts, diagonal_of
-from ...model.plane.frame import Array, Indices, PlaneFrame, frame_across, mapped
+from ...model.plane.frame import Array, Array32, Indices, PlaneFrame, frame_across, mapped
 from ...model.plane.outline import plane_normal
 from ..sequence import pose_state
 from ..storage import points, shape_keys
@@ -44,7 +45,7 @@ class SceneOutline(FlatObject):
 
     rest: Array  # n x 2
     diagonal: float  # of the rest shape's bounding box
-    elements: dict[str, Indices]  # what joins the points, as the native functions take it: {"edges": e x 2}
+    elements: native.Elements  # edges
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         super().__init__(obj, unkeyed)
@@ -63,7 +64,7 @@ class SceneOutline(FlatObject):
         self.diagonal = diagonal_of(self.rest)
         self.elements = {"edges": compact}
 
-    def rest_coordinates(self) -> np.ndarray:
+    def rest_coordinates(self) -> Array32:
         """The shape, see storage/points.py, of the object at rest: the Basis, or else its present one."""
         return self._rest_shape
 

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Array32
 from ..sequence import pose_showing, pose_state
 from ..storage import points, shape_keys
 
@@ -25,7 +25,7 @@ def target_of(obj: bpy.types.Object, unkeyed: bool) -> OwnTarget | KeyTarget | S
 class OwnTarget:
     """The mesh's or curve's own points."""
 
-    begin: np.ndarray  # what is stored at the start, a shape as in storage/points.py
+    begin: Array32  # what is stored at the start, a shape as in storage/points.py
     shown: Array  # the same for the shape shown
     share: Array  # count x 1, how much the shown shape moves when what is stored does
 
@@ -38,7 +38,7 @@ class OwnTarget:
         """Whether the object still stores its shape in this way."""
         return obj.data.shape_keys is None
 
-    def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
+    def store(self, obj: bpy.types.Object, shape: Array32) -> None:
         """Show a shape."""
         points.write(obj, shape)
 
@@ -46,7 +46,7 @@ class OwnTarget:
         """Put everything back as it was, to the bit."""
         self.store(obj, self.begin)
 
-    def rest(self, obj: bpy.types.Object, rest: np.ndarray) -> np.ndarray | None:
+    def rest(self, obj: bpy.types.Object, rest: Array32) -> Array32 | None:
         """What to store for the shape `rest` to show; None if it does already."""
         return rest
 
@@ -68,7 +68,7 @@ class KeyTarget:
         name = self._added or self._name
         return keys is not None and keys.use_relative and (name is None or name in keys.key_blocks)
 
-    def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
+    def store(self, obj: bpy.types.Object, shape: Array32) -> None:
         if self._name is None and self._added is None:
             self._added = shape_keys.add_pose_key(obj).name
         key = obj.data.shape_keys.key_blocks[self._added or self._name]
@@ -84,7 +84,7 @@ class KeyTarget:
         obj.active_shape_key_index = index
         self._added = None
 
-    def rest(self, obj: bpy.types.Object, rest: np.ndarray) -> np.ndarray | None:
+    def rest(self, obj: bpy.types.Object, rest: Array32) -> Array32 | None:
         if self._name is None:
             return None  # the Basis is the rest
         return points.read_block(obj, shape_keys.under_posed_key(obj))
@@ -110,7 +110,7 @@ class SequenceTarget:
             return False
         return self._name is None or self._name in obj.data.shape_keys.key_blocks
 
-    def store(self, obj: bpy.types.Object, shape: np.ndarray) -> None:
+    def store(self, obj: bpy.types.Object, shape: Array32) -> None:
         if self._name is None:
             pose_showing.show_unkeyed(obj, shape)
         else:
@@ -123,5 +123,5 @@ class SequenceTarget:
             pose_showing.drop_scratch(obj)
             obj.data.shape_keys.eval_time = self._time
 
-    def rest(self, obj: bpy.types.Object, rest: np.ndarray) -> np.ndarray | None:
+    def rest(self, obj: bpy.types.Object, rest: Array32) -> Array32 | None:
         return rest

@@ -61,7 +61,7 @@ def sync(obj: bpy.types.Object) -> None:
         settings.group_count = len(groups)
 
 
-def group_members(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, tuple[Indices, np.ndarray]]:
+def group_members(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, tuple[Indices, Array]]:
     """Vertices and weights of each named group, without those of weight 0; missing groups are left out."""
     wanted = {obj.vertex_groups[name].index: name for name in names if name in obj.vertex_groups}
     members: dict[int, tuple[list[int], list[float]]] = {index: ([], []) for index in wanted}

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from .pose_blocks import keyed
@@ -36,7 +37,7 @@ def around(obj: bpy.types.Object, frame: float) -> tuple[KeyedPose | None, Keyed
     before = np.flatnonzero(shows & (timeline[:, 0] <= frame - SAME_FRAME))
     behind = np.flatnonzero(shows & (timeline[:, 0] >= frame + SAME_FRAME))
 
-    def found(keys: np.ndarray) -> list[KeyedPose]:
+    def found(keys: NDArray[np.intp]) -> list[KeyedPose]:
         return [KeyedPose(int(nearest[k]), float(timeline[k, 0]), float(timeline[k, 1])) for k in keys]
 
     return next(iter(found(before[-1:])), None), next(iter(found(behind[:1])), None)

@@ -15,11 +15,11 @@ import bpy
 import numpy as np
 
 from ...errors import ObjectGone
-from ...model.plane.frame import Array
-from ...model.timing.played_curve import SAME_PLACE
+from ...model.plane.frame import Array, Array32
+from ...model.timing.played_curve import SAME_PLACE, moved
 from ..storage.points import read_block, write_block
 from . import pose_curve
-from .pose_blocks import FIRST, HOLD, SPACING, STILL, add, blended, block_at, places, take_out
+from .pose_blocks import FIRST, HOLD, SPACING, STILL, add, blended, block_at, places, shown_curve, take_out
 
 Record = dict[str, Any]
 
@@ -36,11 +36,17 @@ class Block:
 
     name: str
     # See storage/points.py; a function makes it when it is written. None: what `source` holds.
-    shape: np.ndarray | Callable[[], np.ndarray] | None = None
+    shape: Array32 | Callable[[], Array32] | None = None
     source: float | None = None  # place of the block of the file that it is, with Blender's settings of it
     pose: Record | None = None  # of a listed pose: what the list keeps of it
     sample: bool = False  # generated, for the pose before it
     free: int = 0  # empty places before it, where the user has removed generated blocks
+
+    @property
+    def stands_at(self) -> float:
+        """The place of the block of the file; blocks_of() gives none without one."""
+        assert self.source is not None
+        return self.source
 
 
 def record_of(pose: bpy.types.PropertyGroup) -> Record:
@@ -152,7 +158,7 @@ def _lay(
     gone = set(leaving)
     work = len(leaving) + len(blocks)
     undo.show_still(obj)
-    settings: dict[float, Record] = {}
+    settings: dict[float | None, Record] = {}
     for done, place in enumerate(leaving):
         obj = find()
         old = undo.take_out(obj, place)
@@ -165,6 +171,7 @@ def _lay(
         obj = find()
         shape = block.shape() if callable(block.shape) else block.shape
         if block.source != place or place in gone:
+            assert shape is not None  # a block that is new has one, of the others it has been read
             block.name = undo.add(obj, block.name, place, shape, settings.get(block.source))
         elif shape is not None:
             undo.overwrite(obj, place, shape)
@@ -229,7 +236,7 @@ class _Stored:
 
     name: str
     place: float
-    shape: np.ndarray
+    shape: Array32
     settings: Record
 
 
@@ -247,7 +254,7 @@ class _Undo:
         self._curve = pose_curve.SavedCurve(keys)
         self._still = False
         self._removed: list[_Stored] = []
-        self._overwritten: list[tuple[float, np.ndarray]] = []
+        self._overwritten: list[tuple[float, Array32]] = []
         self._added: list[float] = []
 
     def show_still(self, obj: bpy.types.Object) -> None:
@@ -258,19 +265,20 @@ class _Undo:
 
     def take_out(self, obj: bpy.types.Object, place: float) -> _Stored:
         block = block_at(obj.data.shape_keys, place)
+        assert block is not None  # the place is one of those there are
         settings = {name: getattr(block, name) for name in _SETTINGS}
         stored = _Stored(block.name, place, read_block(obj, block), settings)
         obj.shape_key_remove(block)
         self._removed.append(stored)
         return stored
 
-    def overwrite(self, obj: bpy.types.Object, place: float, shape: np.ndarray) -> None:
+    def overwrite(self, obj: bpy.types.Object, place: float, shape: Array32) -> None:
         block = block_at(obj.data.shape_keys, place)
         self._overwritten.append((place, read_block(obj, block)))
         write_block(block, shape)
 
     def add(
-        self, obj: bpy.types.Object, name: str, place: float, shape: np.ndarray, settings: Record | None
+        self, obj: bpy.types.Object, name: str, place: float, shape: Array32, settings: Record | None
     ) -> str:
         """Add a block; the name it has got."""
         block = add(obj, name, place, shape)
@@ -279,15 +287,15 @@ class _Undo:
         self._added.append(place)
         return str(block.name)
 
-    def show_as_before(self, obj: bpy.types.Object, moved: Mapping[float, float]) -> None:
+    def show_as_before(self, obj: bpy.types.Object, carried: Mapping[float, float]) -> None:
         """Show the same values again, with the same block active where it is now."""
         take_out(obj, block_at(obj.data.shape_keys, STILL))
         keys = obj.data.shape_keys
         keys.eval_time = self._eval_time
-        if pose_curve.shown_curve(keys) is None and moved and self._eval_time < HOLD:
-            old, new = np.array(sorted(moved.items())).T
-            keys.eval_time = float(pose_curve.moved(np.array([self._eval_time]), old, new)[0])
-        _activate(obj, moved.get(self._active, self._active))
+        if shown_curve(keys) is None and carried and self._eval_time < HOLD:
+            old, new = np.array(sorted(carried.items())).T
+            keys.eval_time = float(moved(np.array([self._eval_time]), old, new)[0])
+        _activate(obj, carried.get(self._active, self._active))
 
     def restore(self, obj: bpy.types.Object) -> None:
         """Everything as it was, to the bit."""
@@ -310,7 +318,7 @@ class _Undo:
         settings.active_pose = self._active_pose
         self._curve.restore(keys)
         keys.eval_time = self._eval_time
-        frame, curve = bpy.context.scene.frame_current_final, pose_curve.shown_curve(keys)
+        frame, curve = bpy.context.scene.frame_current_final, shown_curve(keys)
         if frame != self._frame and curve is not None:  # the timeline has gone on
             keys.eval_time = curve.evaluate(frame)
         _activate(obj, self._active)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ... import compat
 from ...errors import Refusal
+from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage import points
 
@@ -20,7 +21,7 @@ SCRATCH = 1_000_000.0
 STILL = 1_040_000.0  # what is shown while blocks are laid anew; eval_time goes to 1 048 574
 
 
-def places(keys: bpy.types.Key) -> np.ndarray:
+def places(keys: bpy.types.Key) -> Array:
     """Where each block is, in order."""
     found = np.empty(len(keys.key_blocks), np.float32)
     keys.key_blocks.foreach_get("frame", found)
@@ -36,7 +37,7 @@ def block_at(keys: bpy.types.Key | None, place: float) -> bpy.types.ShapeKey | N
     return keys.key_blocks[nearest] if distances[nearest] < SAME_PLACE else None
 
 
-def add(obj: bpy.types.Object, name: str, place: float, shape: np.ndarray) -> bpy.types.ShapeKey:
+def add(obj: bpy.types.Object, name: str, place: float, shape: Array32) -> bpy.types.ShapeKey:
     """Add a block that holds a shape at a place. Moves eval_time there."""
     obj.data.shape_keys.eval_time = place
     block = obj.shape_key_add(name=name, from_mix=False)
@@ -61,7 +62,7 @@ def played(keys: bpy.types.Key) -> list[bpy.types.ShapeKey]:
     ]
 
 
-def blended(obj: bpy.types.Object, time: float) -> np.ndarray:
+def blended(obj: bpy.types.Object, time: float) -> Array32:
     """The shape that a value of eval_time shows, as Blender evaluates absolute keys.
 
     Raises Refusal between blocks that are not interpolated linearly.
@@ -88,7 +89,8 @@ def share_of(low: float, high: float, time: float) -> np.float32:
     Reckoned as Blender does, in float32 with places divided by 100: shapes far apart tell the difference.
     """
     first, last, now = np.array([low, high, time], np.float32) / np.float32(100.0)
-    return (now - first) / (last - first)
+    share: np.float32 = (now - first) / (last - first)
+    return share
 
 
 def shown_curve(keys: bpy.types.Key | None) -> bpy.types.FCurve | None:
@@ -104,7 +106,7 @@ def own_curve(keys: bpy.types.Key) -> bpy.types.FCurve | None:
     return shown_curve(keys)
 
 
-def keyed(keys: bpy.types.Key | None) -> np.ndarray:
+def keyed(keys: bpy.types.Key | None) -> Array32:
     """Frame and value of each key of the curve, in time, k x 2 float32."""
     curve = shown_curve(keys)
     if curve is None:
@@ -117,4 +119,6 @@ def keyed(keys: bpy.types.Key | None) -> np.ndarray:
 def set_key_type(keys: bpy.types.Key, frame: float, kind: str) -> None:
     """Give the key of the curve at a frame one of Blender's types, such as 'BREAKDOWN'."""
     for index in np.flatnonzero(np.abs(keyed(keys)[:, 0] - frame) < SAME_FRAME):
-        own_curve(keys).keyframe_points[int(index)].type = kind
+        curve = own_curve(keys)
+        assert curve is not None  # it has that key
+        curve.keyframe_points[int(index)].type = kind

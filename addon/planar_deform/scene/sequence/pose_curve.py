@@ -9,9 +9,11 @@ import bpy
 import numpy as np
 
 from ... import compat
-from ...model.plane.frame import Array, Mask
+from ...model.plane.frame import Array, Array32, Indices, Mask
 from ...model.timing.played_curve import SAME_FRAME, Offsets, Rows, moved
 from .pose_blocks import keyed, own_curve, shown_curve
+
+_Column = Array32 | Indices | Mask  # one field of all keys, as Blender stores it
 
 _PAIRS = ("co", "handle_left", "handle_right")
 _NUMBERS = ("back", "amplitude", "period")
@@ -34,7 +36,7 @@ def follow(keys: bpy.types.Key, old: Array, new: Array) -> None:
         curve.keyframe_points.foreach_set(field, values.ravel())
 
 
-def read(curve: bpy.types.FCurve, field: str) -> np.ndarray:
+def read(curve: bpy.types.FCurve, field: str) -> Array32:
     """Coordinates of the keys ("co") or their handles, k x 2 float32."""
     values = np.empty(len(curve.keyframe_points) * 2, np.float32)
     curve.keyframe_points.foreach_get(field, values)
@@ -69,10 +71,11 @@ def _write_values(curve: bpy.types.FCurve, values: Array, chosen: Mask) -> None:
         curve.keyframe_points.foreach_set(field, pairs.ravel())
 
 
-def remove_keys(keys: bpy.types.Key, chosen: np.ndarray) -> None:
+def remove_keys(keys: bpy.types.Key, chosen: Mask) -> None:
     """Remove those keys of the curve that are chosen (a mask)."""
     if chosen.any():
         curve = own_curve(keys)
+        assert curve is not None  # it has these keys
         for index in np.flatnonzero(chosen)[::-1].tolist():
             curve.keyframe_points.remove(curve.keyframe_points[index], fast=True)
         curve.update()
@@ -88,7 +91,9 @@ def key(obj: bpy.types.Object, at: Mapping[float, float]) -> None:
         keys.keyframe_insert("eval_time", frame=frame)
     if not len(before):
         keys.animation_data.action.name = f"{obj.name} Poses"
-    points = own_curve(keys).keyframe_points
+    curve = own_curve(keys)
+    assert curve is not None  # keying has made it
+    points = curve.keyframe_points
     frames = keyed(keys)[:, 0]
     new = ~(np.abs(frames[:, None] - before[None, :]) < SAME_FRAME).any(axis=1)
     easing = np.empty(len(points), np.int32)
@@ -98,8 +103,9 @@ def key(obj: bpy.types.Object, at: Mapping[float, float]) -> None:
 
 
 def value_at(keys: bpy.types.Key, frame: float) -> float:
-    """What the keys alone say at a frame, without the curve's modifiers."""
+    """What the keys alone say at a frame, without the curve's modifiers; there is a curve."""
     curve = shown_curve(keys)
+    assert curve is not None
     active = [modifier for modifier in curve.modifiers if not modifier.mute]
     _mute(active, True)
     try:
@@ -122,7 +128,7 @@ class SavedCurve:
         self._action = None if action is None else action.name
         self._slot = compat.slot_of(animation)
         curve = shown_curve(keys)
-        self._fields: dict[str, np.ndarray] | None = None if curve is None else _fields(curve)
+        self._fields: dict[str, _Column] | None = None if curve is None else _fields(curve)
 
     def restore(self, keys: bpy.types.Key) -> None:
         """Put everything back; a copy of the action that has been made since is removed."""
@@ -139,9 +145,11 @@ class SavedCurve:
             _remove_unused(copy)
         curve = shown_curve(keys)
         if self._fields is None:
-            if curve is not None:
-                compat.curves_of(animation).remove(curve)
+            curves = compat.curves_of(animation)
+            if curve is not None and curves is not None:
+                curves.remove(curve)
             return
+        assert curve is not None  # the action that had it is back
         points = curve.keyframe_points
         count = len(self._fields["back"])
         if len(points) != count:
@@ -151,8 +159,8 @@ class SavedCurve:
             points.foreach_set(field, values)
 
 
-def _fields(curve: bpy.types.FCurve) -> dict[str, np.ndarray]:
-    result = {field: read(curve, field).ravel() for field in _PAIRS}
+def _fields(curve: bpy.types.FCurve) -> dict[str, _Column]:
+    result: dict[str, _Column] = {field: read(curve, field).ravel() for field in _PAIRS}
     for fields, kind in ((_NUMBERS, np.float32), (_ENUMS, np.int32), (_FLAGS, bool)):
         for field in fields:
             values = np.empty(len(curve.keyframe_points), kind)

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_PLACE
 from ..storage import points
 from . import playback, pose_curve, pose_insertion
@@ -20,8 +20,8 @@ from .pose_state import is_ours, pose_at, refusal
 
 def put_coordinates(
     obj: bpy.types.Object,
-    shapes: Mapping[float, np.ndarray],
-    rest: np.ndarray | None = None,
+    shapes: Mapping[float, Array32],
+    rest: Array32 | None = None,
     *,
     throughout: bool = False,
 ) -> Iterator[float]:
@@ -37,6 +37,7 @@ def put_coordinates(
         raise Refusal(reason)
     begun = not is_ours(obj)
     if begun:
+        assert rest is not None  # only where the sequence is there already, it may be left out
         begin_sequence(obj, rest)
     frames = {float(frame): shape for frame, shape in shapes.items()}
     try:
@@ -119,7 +120,7 @@ def end_sequence(obj: bpy.types.Object) -> None:
     points.update(obj)
 
 
-def begin_sequence(obj: bpy.types.Object, rest: np.ndarray) -> None:
+def begin_sequence(obj: bpy.types.Object, rest: Array32) -> None:
     """Make an object's shape keys absolute, with the shape `rest` as the Basis, for poses to be added."""
     mesh, settings = obj.data, obj.planar
     settings.poses.clear()

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 import bpy
 import numpy as np
 
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Array32, Mask
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage.shape_keys import POSE_KEY
 from . import pose_curve
@@ -18,7 +18,7 @@ from .pose_blocks import keyed
 
 
 def insert(
-    obj: bpy.types.Object, shapes: Mapping[float, np.ndarray], *, throughout: bool = False
+    obj: bpy.types.Object, shapes: Mapping[float, Array32], *, throughout: bool = False
 ) -> Iterator[float]:
     """Key a pose for each shape (by frame; see storage/points.py), step by step as playback.relay().
 
@@ -42,8 +42,10 @@ def insert(
             block.shape = shapes[frame]
             continue
         earlier = timeline[timeline[:, 0] < frame - SAME_FRAME]
-        follows_new = latest is not None and not (len(earlier) and earlier[-1, 0] > latest)
-        behind = new[latest] if follows_new else shown_before(blocks, earlier)
+        if latest is not None and not (len(earlier) and earlier[-1, 0] > latest):
+            behind: Block | None = new[latest]
+        else:
+            behind = shown_before(blocks, earlier)
         new[frame] = Block("", shapes[frame], pose={})
         put_in(keys, blocks, new[frame], behind, frame, earlier)
         latest = frame
@@ -60,7 +62,7 @@ def insert(
     return relay(obj, blocks, then)
 
 
-def _between(timeline: np.ndarray, frames: list[float]) -> np.ndarray:
+def _between(timeline: Array32, frames: list[float]) -> Mask:
     """The keys from the first to the last of the frames but those at them."""
     at = timeline[:, 0]
     kept = (np.abs(at[:, None] - np.array(frames)) < SAME_FRAME).any(axis=1)
@@ -68,12 +70,12 @@ def _between(timeline: np.ndarray, frames: list[float]) -> np.ndarray:
 
 
 def _without(
-    keys: bpy.types.Key, blocks: list[Block], timeline: np.ndarray, removed: np.ndarray, frames: list[float]
+    keys: bpy.types.Key, blocks: list[Block], timeline: Array32, removed: Mask, frames: list[float]
 ) -> list[Block]:
     """The blocks without the poses that only the removed keys show, and without what is generated there."""
 
-    def shown(block: Block, rows: np.ndarray) -> bool:
-        return bool((np.abs(rows[:, 1] - block.source) < SAME_PLACE).any())
+    def shown(block: Block, rows: Array32) -> bool:
+        return bool((np.abs(rows[:, 1] - block.stands_at) < SAME_PLACE).any())
 
     low = high = 0.0
     if len(timeline) and any(block.sample for block in blocks):
@@ -81,7 +83,7 @@ def _without(
     result = []
     for block in blocks:
         if block.sample:
-            gone = low < block.source < high
+            gone = low < block.stands_at < high
         else:
             gone = block.pose is not None and shown(block, timeline[removed])
             gone = gone and not shown(block, timeline[~removed])
@@ -101,7 +103,7 @@ def close_up(blocks: list[Block]) -> list[Block]:
     return kept
 
 
-def _keyed_only_there(blocks: list[Block], timeline: np.ndarray, frame: float) -> Block | None:
+def _keyed_only_there(blocks: list[Block], timeline: Array32, frame: float) -> Block | None:
     """The pose that is keyed at this frame and at no other."""
     values = timeline[np.abs(timeline[:, 0] - frame) < SAME_FRAME, 1]
     for block in blocks if len(values) else ():
@@ -113,7 +115,7 @@ def _keyed_only_there(blocks: list[Block], timeline: np.ndarray, frame: float) -
     return None
 
 
-def shown_before(blocks: list[Block], earlier: np.ndarray) -> Block | None:
+def shown_before(blocks: list[Block], earlier: Array32) -> Block | None:
     """The last block that is not behind what the last of these keys shows."""
     if not len(earlier):
         return None
@@ -128,7 +130,7 @@ def put_in(
     new: Block,
     behind: Block | None,
     frame: float,
-    earlier: np.ndarray,
+    earlier: Array32,
 ) -> None:
     """Put a pose for a frame in behind a block (None: first), and behind what is generated and shown earlier.
 
@@ -136,9 +138,9 @@ def put_in(
     """
     index = 0 if behind is None else blocks.index(behind) + 1
     value = pose_curve.value_at(keys, frame) if len(earlier) else -np.inf
-    while index < len(blocks) and blocks[index].sample and blocks[index].source < value - SAME_PLACE:
+    while index < len(blocks) and blocks[index].sample and blocks[index].stands_at < value - SAME_PLACE:
         index += 1
-    if index < len(blocks) and blocks[index].sample and blocks[index].source < value + SAME_PLACE:
+    if index < len(blocks) and blocks[index].sample and blocks[index].stands_at < value + SAME_PLACE:
         new.free = blocks[index].free
         blocks[index] = new
         return

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import Refusal
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage.points import read_block, update, write_block
 from . import playback, pose_curve, pose_edit, pose_showing, pose_state
@@ -52,7 +53,9 @@ def _move_key(curve: bpy.types.FCurve, index: int, frame: float) -> None:
     curve.update()
 
 
-def _reorder(obj: bpy.types.Object, place: float, others: np.ndarray, mine: np.ndarray, frame: float) -> None:
+def _reorder(
+    obj: bpy.types.Object, place: float, others: Array32, mine: NDArray[np.intp], frame: float
+) -> None:
     """Play the pose at a place where it belongs at a frame, among these other keys, and key it there."""
     blocks = blocks_of(obj)
     block = next(block for block in blocks if block.source == place)
@@ -61,6 +64,7 @@ def _reorder(obj: bpy.types.Object, place: float, others: np.ndarray, mine: np.n
     for other in blocks:
         if other.pose is not None:
             other.pose["order_before"] = 0  # they are put in another order now
+    assert block.pose is not None  # a listed one
     block.pose["order_before"] = 0
     blocks = close_up(blocks)
     earlier = others[others[:, 0] < frame]
@@ -76,16 +80,20 @@ def _reorder(obj: bpy.types.Object, place: float, others: np.ndarray, mine: np.n
         if offsets is None:
             pose_curve.key(obj, {frame: float(to)})
             return
-        point = own_curve(keys).keyframe_points[int(mine[0])]
+        curve = own_curve(keys)
+        assert curve is not None  # its keys are `mine`
+        point = curve.keyframe_points[int(mine[0])]
         point.co[1] = to
         point.handle_left[1], point.handle_right[1] = to + offsets[0], to + offsets[1]
-        _move_key(own_curve(keys), int(mine[0]), frame)
+        _move_key(curve, int(mine[0]), frame)
 
     playback.run(relay(obj, blocks, then))
 
 
 def _offsets(keys: bpy.types.Key, index: int) -> tuple[float, float]:
-    point = own_curve(keys).keyframe_points[index]
+    curve = own_curve(keys)
+    assert curve is not None  # it has that key
+    point = curve.keyframe_points[index]
     return point.handle_left[1] - point.co[1], point.handle_right[1] - point.co[1]
 
 
@@ -106,7 +114,7 @@ def rename_blocks(obj: bpy.types.Object, pose: bpy.types.PropertyGroup) -> None:
     pose.name = block.name  # which calls this again, with nothing to do
 
 
-def give_shape(obj: bpy.types.Object, pose: int, shape: np.ndarray) -> None:
+def give_shape(obj: bpy.types.Object, pose: int, shape: Array32) -> None:
     """Give a pose another shape. Raises Refusal, with nothing changed."""
     block = _block_of(obj, pose)
     if block.lock_shape:

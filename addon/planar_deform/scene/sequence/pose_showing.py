@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 
+from ...model.plane.frame import Array32
 from ..storage import points
 from .pose_blocks import HOLD, SCRATCH, add, block_at, played, shown_curve, take_out
 
 
-def show_unkeyed(obj: bpy.types.Object, coordinates: np.ndarray) -> None:
+def show_unkeyed(obj: bpy.types.Object, coordinates: Array32) -> None:
     """Show a shape until the frame changes."""
     keys = obj.data.shape_keys
     scratch = block_at(keys, SCRATCH)

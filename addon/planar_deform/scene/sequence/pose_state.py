@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ... import compat
+from ...model.plane.frame import Array32
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage.shape_keys import POSE_KEY
 from .pose_blocks import FIRST, HOLD, blended, block_at, keyed, places, shown_curve
@@ -111,12 +112,12 @@ def pose_at(obj: bpy.types.Object, frame: float) -> int | None:
     return None
 
 
-def shown_points(obj: bpy.types.Object) -> np.ndarray:
+def shown_points(obj: bpy.types.Object) -> Array32:
     """The shape that is shown at present, see storage/points.py. Raises Refusal as pose_blocks.blended()."""
     return blended(obj, obj.data.shape_keys.eval_time)
 
 
-def shape_at(obj: bpy.types.Object, frame: float) -> np.ndarray:
+def shape_at(obj: bpy.types.Object, frame: float) -> Array32:
     """The shape that the sequence shows at any frame, see storage/points.py. Raises Refusal as blended()."""
     keys = obj.data.shape_keys
     curve = shown_curve(keys)

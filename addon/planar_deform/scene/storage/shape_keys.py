@@ -83,14 +83,19 @@ def share_of_posed_key(obj: bpy.types.Object) -> Array:
 
 
 def under_posed_key(obj: bpy.types.Object) -> bpy.types.ShapeKey:
-    """The key from which the posed key's difference is taken."""
+    """The key from which the difference of the posed key, which there is, is taken."""
     keys = obj.data.shape_keys
-    return keys.reference_key if obj.show_only_shape_key else posed_key(obj).relative_key
+    if obj.show_only_shape_key:
+        return keys.reference_key
+    posed = posed_key(obj)
+    assert posed is not None
+    return posed.relative_key
 
 
 def weight_of_posed_key(obj: bpy.types.Object) -> Array | float:
     """The share of its difference that the posed key adds to the shown shape, count x 1 or one number."""
     posed = posed_key(obj)
+    assert posed is not None
     return _mask(obj, posed) * (1.0 if obj.show_only_shape_key else posed.value)
 
 

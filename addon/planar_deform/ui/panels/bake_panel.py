@@ -20,11 +20,11 @@ class PLANAR_PT_bake(PlanarPanel, bpy.types.Panel):
     bl_order = 1
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.object
         return obj is not None and (pose_state.has_blocks(obj) or point_cache.modifier_of(obj) is not None)
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         column = layout.column(align=True)
         for form, name, _ in FORMS:

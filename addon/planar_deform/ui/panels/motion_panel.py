@@ -16,10 +16,10 @@ class PLANAR_PT_motion(PlanarPanel, bpy.types.Panel):
     bl_order = 0
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return context.object is not None and pose_state.has_blocks(context.object)
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column(align=True)
         column.operator("planar.transfer_motion", icon="MOD_DATA_TRANSFER")
         column.operator("planar.edit_sequence", icon="SMOOTHCURVE")

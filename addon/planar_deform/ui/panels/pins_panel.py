@@ -21,7 +21,17 @@ SHOWN_GAP = 1e-3
 class PLANAR_UL_pins(bpy.types.UIList):
     bl_idname = "PLANAR_UL_pins"
 
-    def draw_item(self, context, layout, data, item, icon, active_data, active_propname, index):
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        data: bpy.types.Object,
+        item: bpy.types.PropertyGroup,
+        icon: int,
+        active_data: bpy.types.PropertyGroup,
+        active_propname: str,
+        index: int,
+    ) -> None:
         obj = context.object
         row = layout.row(align=True)
         row.active = item.enabled
@@ -40,7 +50,7 @@ class PLANAR_UL_pins(bpy.types.UIList):
 class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
     bl_label = "Pins"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         obj = context.object
         seen = snapshot.of_active(context)
@@ -64,7 +74,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
 class PLANAR_MT_add_pins(bpy.types.Menu):
     bl_label = "Add Pins"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.label(text="Ctrl-Click the Mesh in the Pose Tool, or:")
         layout.operator("planar.add_pins_from_selected", text="Point per Selected Vertex").kind = "POINT"
@@ -77,7 +87,9 @@ class PLANAR_MT_add_pins(bpy.types.Menu):
         layout.operator("planar.add_pins_from_all_groups", text="Patches on All Vertex Groups").kind = "PATCH"
 
 
-def _draw_pin(layout, context, pin, index):
+def _draw_pin(
+    layout: bpy.types.UILayout, context: bpy.types.Context, pin: bpy.types.PropertyGroup, index: int
+) -> None:
     obj = context.object
     column = layout.column()
     column.use_property_split = True

@@ -17,7 +17,17 @@ class PLANAR_UL_poses(bpy.types.UIList):
 
     stale: ClassVar[set[int]] = set()  # poses behind which in-betweens are to be generated again
 
-    def draw_item(self, context, layout, data, item, icon, active_data, active_propname, index):
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        data: bpy.types.Object,
+        item: bpy.types.PropertyGroup,
+        icon: int,
+        active_data: bpy.types.PropertyGroup,
+        active_propname: str,
+        index: int,
+    ) -> None:
         frames = pose_state.frames_of(item.id_data, index)
         here = context.scene.frame_current_final in frames
         row = layout.row(align=True)
@@ -36,7 +46,7 @@ class PLANAR_UL_poses(bpy.types.UIList):
 class PLANAR_MT_pose(bpy.types.Menu):
     bl_label = "Pose"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.operator("planar.update_pose", text="Update to What Is Shown", icon="FILE_REFRESH")
         layout.operator("planar.duplicate_pose", text="Duplicate to Current Frame", icon="DUPLICATE")
@@ -50,10 +60,10 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
     bl_order = 1
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return context.object is not None and context.object.type in {"MESH", "CURVE"}
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         obj = context.object
         stale = stretches.stale(obj)
@@ -94,10 +104,10 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
     bl_order = -1
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return context.object is not None and pose_state.is_ours(context.object)
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         settings = context.object.planar
         row = layout.row(align=True)
@@ -117,7 +127,7 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
                 lines(layout, text, "INFO", context)
 
 
-def _note(obj):
+def _note(obj: bpy.types.Object) -> str | None:
     """What the user should know of the object's poses."""
     if obj.mode == "EDIT" and pose_state.is_ours(obj):
         return f"Edit Mode edits the shape key that is active: '{obj.active_shape_key.name}'"
@@ -129,7 +139,7 @@ def _note(obj):
     return reason if is_outline(obj) else None  # of a mesh with faces the pins' panel says it
 
 
-def _stale_note(obj, stale):
+def _stale_note(obj: bpy.types.Object, stale: list[tuple[int, int]]) -> str | None:
     """Which in-betweens are not those of the poses."""
     if not stale:
         return None

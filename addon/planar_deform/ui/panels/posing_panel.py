@@ -17,11 +17,11 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
     bl_order = 2  # below the list of poses, which is used all the time
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.object
         return obj is not None and obj.type == "MESH" and not is_outline(obj)
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -48,7 +48,7 @@ class PLANAR_PT_stiffness(PlanarPanel, bpy.types.Panel):
     bl_label = "Stiffness"
     bl_parent_id = "PLANAR_PT_pose"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         obj = context.object
         layout.prop_search(obj.planar, "stiffness_group", obj, "vertex_groups", text="")
@@ -69,7 +69,7 @@ class PLANAR_PT_quality(PlanarPanel, bpy.types.Panel):
     bl_label = "Quality"
     bl_parent_id = "PLANAR_PT_pose"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.row().prop(context.object.planar, "show_quality", expand=True)
         seen = snapshot.of_active(context)

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import bpy
+
 
 class PlanarPanel:
     bl_space_type = "VIEW_3D"
@@ -10,7 +12,7 @@ class PlanarPanel:
     bl_category = "Planar"
 
 
-def lines(layout, text, icon, context):
+def lines(layout: bpy.types.UILayout, text: str, icon: str, context: bpy.types.Context) -> None:
     """A message as wide as the sidebar."""
     width = max(12, int(context.region.width / (7.0 * context.preferences.system.ui_scale)) - 4)
     words, lines = text.split(), [""]
