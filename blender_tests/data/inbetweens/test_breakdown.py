@@ -159,6 +159,16 @@ def test_where_a_pose_is_held_it_is_refused():
         bpy.ops.planar.breakdown()
 
 
+def test_beside_a_pose_whose_shape_key_has_been_removed_it_is_refused():
+    obj, _ = bent_bar()
+    obj.shape_key_remove(obj.data.shape_keys.key_blocks["Pose.001"])
+    go_to(13)
+    before = stored(obj)
+    with pytest.raises(RuntimeError, match="of pose 'Pose.001' is gone: delete the pose"):
+        bpy.ops.planar.breakdown()
+    assert stored(obj) == before
+
+
 def test_invoked_in_background_it_keys_at_once():
     obj, poses = bent_bar()
     go_to(13)

@@ -296,6 +296,23 @@ def test_a_new_pose_with_the_name_of_one_that_others_repeated():
     assert same(shown_at(obj, 17), loop)
 
 
+def test_a_pose_that_others_repeat_removed_from_blenders_list():
+    obj = bar(nx=6, ny=2)
+    key(obj, 1, 0)
+    key(obj, 9, 1)
+    curve = curve_of(obj)
+    curve.keyframe_points.insert(17, curve.keyframe_points[0].co[1])  # a loop
+    curve.update()
+    generate()
+    loop = shown_at(obj, 17)
+    obj.shape_key_remove(block_of(obj, 0))
+    go_to(12)
+    assert stale(obj) == []  # what is generated from 9 to 17 is still made of the same
+    generate()
+    assert [pose.copy_of for pose in obj.planar.poses] == ["", ""]
+    assert same(shown_at(obj, 17), loop)
+
+
 def test_two_objects_with_poses_joined():
     """Blender merges their shape keys by name, and leaves those that one has alone where they were."""
     first, second = bar(nx=6, ny=2, name="First"), bar(nx=6, ny=2, name="Second")

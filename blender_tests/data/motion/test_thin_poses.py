@@ -96,6 +96,17 @@ def test_too_few_poses_are_refused():
     assert stored(obj) == before
 
 
+def test_a_pose_whose_shape_key_has_been_removed_is_refused():
+    obj = bar()
+    for frame in (1, 5, 9):
+        key(obj, frame, frame)
+    obj.shape_key_remove(obj.data.shape_keys.key_blocks["Pose.001"])
+    before = stored(obj)
+    with pytest.raises(RuntimeError, match="of pose 'Pose.001' is gone: delete the pose"):
+        bpy.ops.planar.thin_poses()
+    assert stored(obj) == before
+
+
 def test_stopped_and_closed_everything_is_as_it_was():
     from planar_deform import native
     from planar_deform.scene.motion.thinning import Thinning

@@ -134,6 +134,17 @@ def test_a_pose_without_a_key_is_keyed_by_retiming_it():
     assert same(shown(obj, 49), poses[49])
 
 
+@pytest.mark.parametrize("operator", ["retime_pose", "update_pose", "duplicate_pose"])
+def test_a_pose_whose_shape_key_has_been_removed_is_refused(operator):
+    obj, _ = bent_bar()
+    obj.shape_key_remove(obj.data.shape_keys.key_blocks["Pose.001"])
+    activate(obj)
+    go_to(60)
+    before = everything(obj)
+    refused("of pose 'Pose.001' is gone: delete the pose", getattr(bpy.ops.planar, operator), pose=1)
+    assert everything(obj) == before
+
+
 def test_a_locked_curve_is_not_retimed():
     obj, _ = bent_bar()
     curve_of(obj).lock = True

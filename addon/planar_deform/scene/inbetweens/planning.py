@@ -115,7 +115,7 @@ def way(scene: SceneShape, poses: Sequence[int], times: Sequence[float]) -> Plan
     """The way through some poses (indices) at these times; for motion() and coordinates(). Raises Refusal."""
     obj = scene.resolve()
     chosen = [obj.planar.poses[pose] for pose in poses]
-    shapes = [read_block(obj, block_at(obj.data.shape_keys, pose.at)) for pose in chosen]
+    shapes = [read_block(obj, pose_state.block_of(obj, pose)) for pose in poses]
     result = _plan_of(scene, obj, shapes, [pose.turns for pose in chosen[:-1]])
     result.times = list(times)
     return result

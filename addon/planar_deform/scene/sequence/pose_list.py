@@ -40,6 +40,7 @@ def retime(obj: bpy.types.Object, pose: int, frame: float) -> None:
     if in_turn or len(mine) > 1:
         _move_key(own_curve(keys), int(mine[0]), frame)
     else:
+        pose_state.block_of(obj, pose)
         _reorder(obj, record.at, others, mine, frame)
     pose_showing.show(obj, was_unkeyed)
 
@@ -116,7 +117,7 @@ def rename_blocks(obj: bpy.types.Object, pose: bpy.types.PropertyGroup) -> None:
 
 def give_shape(obj: bpy.types.Object, pose: int, shape: Array32) -> None:
     """Give a pose another shape. Raises Refusal, with nothing changed."""
-    block = _block_of(obj, pose)
+    block = pose_state.block_of(obj, pose)
     if block.lock_shape:
         raise Refusal(f"Shape key '{block.name}' is locked: open its lock in the Shape Keys panel")
     write_block(block, shape)
@@ -127,15 +128,8 @@ def duplicate(obj: bpy.types.Object, pose: int, frame: float) -> None:
     """Key a pose once more, as one of its own, at a frame that has none. Raises Refusal."""
     if (np.abs(keyed(obj.data.shape_keys)[:, 0] - frame) < SAME_FRAME).any():
         raise Refusal(f"Frame {frame:g} has a key: go to a frame without one")
-    shape = read_block(obj, _block_of(obj, pose))
+    shape = read_block(obj, pose_state.block_of(obj, pose))
     playback.run(pose_edit.put_coordinates(obj, {frame: shape}))
-
-
-def _block_of(obj: bpy.types.Object, pose: int) -> bpy.types.ShapeKey:
-    block = block_at(obj.data.shape_keys, obj.planar.poses[pose].at)
-    if block is None:
-        raise Refusal(f"The shape key of pose '{obj.planar.poses[pose].name}' is gone: delete the pose")
-    return block
 
 
 def step_of(obj: bpy.types.Object) -> int:

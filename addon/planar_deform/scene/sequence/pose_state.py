@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ... import compat
+from ...errors import Refusal
 from ...model.plane.frame import Array32
 from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
 from ..storage.shape_keys import POSE_KEY
@@ -88,6 +89,14 @@ def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
         if curve.sampled_points:
             return "The poses' curve is made of samples: turn them into keys in the Graph Editor"
     return None
+
+
+def block_of(obj: bpy.types.Object, pose: int) -> bpy.types.ShapeKey:
+    """The block of a pose (its index). Raises Refusal where the user has removed it."""
+    block = block_at(obj.data.shape_keys, obj.planar.poses[pose].at)
+    if block is None:
+        raise Refusal(f"The shape key of pose '{obj.planar.poses[pose].name}' is gone: delete the pose")
+    return block
 
 
 def frames_of(obj: bpy.types.Object, pose: int) -> list[float]:

@@ -48,7 +48,8 @@ class Stamps:
 
     def __init__(self, obj: bpy.types.Object):
         self._obj = obj
-        self._names = {pose.name: pose for pose in obj.planar.poses}
+        present = set(whole(places(obj.data.shape_keys)).tolist())
+        self._names = {pose.name: pose for pose in obj.planar.poses if pose.at in present}
 
     def digest(self, place: float) -> str:
         """Of the bits of the block at a place."""
