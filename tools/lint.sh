@@ -34,7 +34,7 @@ check imports .venv/bin/python tools/check_imports.py
 check includes python3 tools/check_includes.py
 check ruff "$ruff" check --no-cache .
 check ruff-format "$ruff" format --no-cache --check .
-check mypy .venv/bin/mypy addon/planar_deform/model tools
+check mypy .venv/bin/mypy
 check stubs .venv/bin/python -m mypy.stubtest planar_native --allowlist native/python/stubtest-allowlist.txt
 check shellcheck shellcheck --external-sources "${shell[@]}"
 check registration .venv/bin/python -m pytest blender_tests/data/test_registration.py

@@ -69,13 +69,14 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
         self._complete(context)
         if self.to == "POINT_CACHE" and not self.replace and point_cache.is_foreign(obj, self.filepath):
             self.replace = True
-            return context.window_manager.invoke_confirm(
+            asked: set[str] = context.window_manager.invoke_confirm(
                 self,
                 event,
                 title="Replace File?",
                 message=f"There is a file {bpy.path.basename(self.filepath)} already",
                 confirm_text="Replace",
             )
+            return asked
         return super().invoke(context, event)
 
     def cancel(self, context: bpy.types.Context) -> None:

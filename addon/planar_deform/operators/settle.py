@@ -21,10 +21,10 @@ class PLANAR_OT_settle_pose(Interactive, PosingOperator, bpy.types.Operator):
         "Solve the pose again with the pins where they are, as after a change of weights or method"
     )
 
-    def apply(self, context: bpy.types.Context) -> None:
+    def apply(self, context):
         SceneAction(context, settling=True).run([STILL], settle=True)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(self, context, event):
         try:
             action = SceneAction(context, settling=True)
         except Refusal as refusal:

@@ -37,7 +37,7 @@ class PLANAR_OT_paint_stiffness(PosingOperator, bpy.types.Operator):
         "the vertex group if there is none"
     )
 
-    def apply(self, context: bpy.types.Context) -> None:
+    def apply(self, context):
         obj = context.object
         if not obj.visible_get():
             raise Refusal(f"'{obj.name}' is hidden: show it to paint on it")
@@ -113,8 +113,7 @@ def _look() -> float | None:
         return SOON
     try:
         if obj is None:
-            _stop()
-            return None
+            return _stop()
         _painted = obj.session_uid
         if _settling is None and not _changed(obj):
             _painted = obj.session_uid if obj.mode == "WEIGHT_PAINT" else None
@@ -131,8 +130,7 @@ def _look() -> float | None:
         _stop()
         return SOON
     except (Refusal, StoppedError, native.SolveError):
-        _stop()
-        return None
+        return _stop()
 
 
 def _changed(obj: bpy.types.Object) -> bool:
@@ -140,7 +138,7 @@ def _changed(obj: bpy.types.Object) -> bool:
     now = stiffness.stamp(stiffness.painted(obj))
     if not obj.planar.solved_stiffness:
         obj.planar.solved_stiffness = now  # the shape is as the user has made it
-    return bool(obj.planar.solved_stiffness != now)
+    return obj.planar.solved_stiffness != now
 
 
 def _stop() -> None:

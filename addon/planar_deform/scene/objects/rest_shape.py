@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
+from ...model.plane.frame import Array32, Indices
 from ..sequence import pose_state
 from ..storage import points, shape_keys
 
@@ -18,7 +19,7 @@ REST = "planar_rest"
 OWNER = "planar_rest_owner"
 
 
-def basis_or_stored(obj: bpy.types.Object) -> np.ndarray | None:
+def basis_or_stored(obj: bpy.types.Object) -> Array32 | None:
     """Rest positions count x 3 (float32, object-local) as they are stored; None when they are not."""
     mesh = obj.data
     if mesh.shape_keys is not None:
@@ -31,7 +32,7 @@ def basis_or_stored(obj: bpy.types.Object) -> np.ndarray | None:
     return rest.reshape(-1, 3)
 
 
-def owners_of(mesh: bpy.types.Mesh) -> np.ndarray | None:
+def owners_of(mesh: bpy.types.Mesh) -> Indices | None:
     """The owner of each vertex's stored rest (count,); None when that is not recorded."""
     owner = _attribute(mesh, OWNER, "INT")
     if owner is None:
@@ -41,14 +42,14 @@ def owners_of(mesh: bpy.types.Mesh) -> np.ndarray | None:
     return owners
 
 
-def write(mesh: bpy.types.Mesh, rest: np.ndarray) -> None:
+def write(mesh: bpy.types.Mesh, rest: Array32) -> None:
     """Store rest positions, count x 3, on a mesh without shape keys, all owned by this mesh."""
     # Below 2^24, so that Blender's interpolation in float keeps it.
     owners = np.full(len(mesh.vertices), random.randrange(1, 1 << 24), np.int32)
     put_back(mesh, rest, owners)
 
 
-def put_back(mesh: bpy.types.Mesh, rest: np.ndarray | None, owners: np.ndarray | None) -> None:
+def put_back(mesh: bpy.types.Mesh, rest: Array32 | None, owners: Indices | None) -> None:
     """Store rest and owners as they were read, and nothing where there was nothing."""
     for name, kind, field, values in (
         (REST, "FLOAT_VECTOR", "vector", rest),

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
+from ...model.plane.frame import Array32
 from . import digests
 
 CURVE_FIELDS = ("radius", "tilt")  # the columns behind the coordinates
@@ -23,7 +24,7 @@ def count(obj: bpy.types.Object) -> int:
     return len(obj.data.vertices)
 
 
-def read(obj: bpy.types.Object) -> np.ndarray:
+def read(obj: bpy.types.Object) -> Array32:
     """The shape that the mesh or curve has without shape keys."""
     if obj.type != "CURVE":
         return _columns(obj.data.vertices, ())
@@ -31,7 +32,7 @@ def read(obj: bpy.types.Object) -> np.ndarray:
     return np.delete(np.concatenate(splines), 3, axis=1)  # a poly spline has no use for its weight
 
 
-def write(obj: bpy.types.Object, shape: np.ndarray) -> None:
+def write(obj: bpy.types.Object, shape: Array32) -> None:
     """Give the mesh or curve itself a shape; of a curve's, coordinates alone will do, too."""
     if obj.type != "CURVE":
         obj.data.vertices.foreach_set("co", shape.ravel())
@@ -47,7 +48,7 @@ def write(obj: bpy.types.Object, shape: np.ndarray) -> None:
         start += len(rows)
 
 
-def read_block(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
+def read_block(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> Array32:
     """The shape that a shape key holds. Raises Refusal if it has another number of points than the object."""
     if len(block.data) != count(obj):
         raise Refusal(
@@ -62,7 +63,7 @@ def bits(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> bytes:
     return _held(obj, block).tobytes()
 
 
-def write_block(block: bpy.types.ShapeKey, shape: np.ndarray) -> None:
+def write_block(block: bpy.types.ShapeKey, shape: Array32) -> None:
     """Give a shape key a shape; of a curve's, coordinates alone will do, too."""
     _coordinates(block).foreach_set("co", np.ascontiguousarray(shape[:, :3]).ravel())
     _set_fields(block.data, shape)
@@ -77,7 +78,7 @@ def update(obj: bpy.types.Object) -> None:
         obj.data.update()
 
 
-def _held(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> np.ndarray:
+def _held(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> Array32:
     return _columns(_coordinates(block), CURVE_FIELDS if obj.type == "CURVE" else ())
 
 
@@ -86,7 +87,7 @@ def _coordinates(block: bpy.types.ShapeKey) -> bpy.types.bpy_prop_collection:
     return block.points if len(block.points) else block.data
 
 
-def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3) -> np.ndarray:
+def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3) -> Array32:
     result = np.empty((len(points), size + len(fields)), np.float32)
     places = np.empty(len(points) * size, np.float32)
     points.foreach_get("co", places)
@@ -98,6 +99,6 @@ def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], siz
     return result
 
 
-def _set_fields(points: bpy.types.bpy_prop_collection, shape: np.ndarray) -> None:
+def _set_fields(points: bpy.types.bpy_prop_collection, shape: Array32) -> None:
     for column, field in zip(range(3, shape.shape[1]), CURVE_FIELDS, strict=False):
         points.foreach_set(field, np.ascontiguousarray(shape[:, column]))
