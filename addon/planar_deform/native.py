@@ -29,7 +29,7 @@ Method = Literal["hold", "akvf"]
 
 
 class Elements(TypedDict, total=False):
-    """What joins points: one of the two, counted from 0."""
+    """What joins points, counted from 0, as the solvers take it: one of the two."""
 
     triangles: NDArray[np.int32]  # m x 3
     edges: NDArray[np.int32]  # e x 2

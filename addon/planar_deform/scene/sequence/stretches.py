@@ -48,7 +48,7 @@ class Stamps:
 
     def __init__(self, obj: bpy.types.Object):
         self._obj = obj
-        present = set(whole(places(obj.data.shape_keys)).tolist())
+        present = set(whole(places(obj.data.shape_keys)).tolist())  # a block may have been removed by hand
         self._names = {pose.name: pose for pose in obj.planar.poses if pose.at in present}
 
     def digest(self, place: float) -> str:

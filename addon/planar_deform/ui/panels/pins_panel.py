@@ -25,7 +25,7 @@ class PLANAR_UL_pins(bpy.types.UIList):
         self,
         context: bpy.types.Context,
         layout: bpy.types.UILayout,
-        data: bpy.types.Object,
+        data: bpy.types.PropertyGroup,
         item: bpy.types.PropertyGroup,
         icon: int,
         active_data: bpy.types.PropertyGroup,

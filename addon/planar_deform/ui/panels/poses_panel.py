@@ -21,7 +21,7 @@ class PLANAR_UL_poses(bpy.types.UIList):
         self,
         context: bpy.types.Context,
         layout: bpy.types.UILayout,
-        data: bpy.types.Object,
+        data: bpy.types.PropertyGroup,
         item: bpy.types.PropertyGroup,
         icon: int,
         active_data: bpy.types.PropertyGroup,
