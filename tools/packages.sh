@@ -4,7 +4,7 @@
 
 # A Python environment, and what builds the library and the module into it.
 build_packages=(
-    python3-dev python3-venv g++ cmake make ninja-build
+    python3-dev python3-venv g++ ccache cmake make ninja-build
     libsuitesparse-dev libblas3 liblapack3 libeigen3-dev
 )
 # What the bpy wheels load, though they draw no window.
