@@ -3,7 +3,7 @@
 # seconds.
 PYTHON := .venv/bin/python
 .DEFAULT_GOAL := help
-.PHONY: help demo test matrix lint bench extension docs
+.PHONY: help demo test matrix nightly lint bench extension docs
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -12,13 +12,14 @@ demo: ## Pose a cutout character in Blender; pictures and demo.blend in out/
 	@tools/setup.sh demo
 	@$(PYTHON) examples/demo.py
 
-test: ## All tests: native (three builds), Python, Blender data, Blender window
-	@tools/setup.sh test
-	@$(PYTHON) tools/run_suites.py test
+test: ## All tests: native (four builds), Python, Blender data, Blender window
+	@tools/run_suites.py test
 
 matrix: ## The Blender tests in every supported Blender
-	@tools/setup.sh test
-	@$(PYTHON) tools/run_suites.py matrix $(if $(AFTER_TEST),--after-test)
+	@tools/run_suites.py matrix
+
+nightly: ## All of it whole: what .ci/run shortens, too (it runs test, matrix and lint before a change lands)
+	@tools/run_suites.py nightly
 
 lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, what imports what, and the add-on's registration
 	@tools/setup.sh lint

@@ -11,6 +11,8 @@ for package in "$@"; do
     grep -qxE "${package//+/\\+}" <<<"$installed" || missing+=("$package")
 done
 ((${#missing[@]})) || exit 0
+# One at a time: who waited looks again at what is missing.
+[[ -n ${PLANAR_APT_LOCKED:-} ]] || PLANAR_APT_LOCKED=yes exec flock --close /var/lib/dpkg "$0" "$@"
 
 as_root=()
 if ((EUID != 0)); then

@@ -35,7 +35,7 @@ def run(*command: str | Path) -> str:
     result = subprocess.run(
         command,
         cwd=PROJECT,
-        env={**os.environ, "PATH": search},
+        env={**os.environ, "PATH": search, "CXX": "/usr/bin/c++"},  # as CMake names it elsewhere, for ccache
         text=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -65,7 +65,7 @@ def fingerprint(headers: Path) -> str:
 def compile_module(headers: Path, folder: Path) -> Path:
     """A wheel with the module for the Python of these headers, named after the Python that runs this."""
     settings = {
-        "build-dir": BUILD / "cmake",  # one for all: the library itself does not depend on Python
+        "build-dir": PROJECT / "build" / "extension-cmake",  # one for all: the library does not depend on Python
         "cmake.define.Python_INCLUDE_DIR": headers,
         "cmake.define.PYTHON_MODULE_EXTENSION": (headers / "module-suffix").read_text(),
         "cmake.define.PYTHON_MODULE_DEBUG_POSTFIX": "",

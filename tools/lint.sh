@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Checks everything that can be checked without running it, and that the add-on registers and unregisters.
-# usage: tools/lint.sh
+# With --changed clang-tidy reads only the sources that differ from what has landed.
+# usage: tools/lint.sh [--changed]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 PATH=/usr/bin:/bin:$PATH # the distribution's clang tools, before a user's own
@@ -22,14 +23,16 @@ check() { # check NAME COMMAND...
 }
 
 mapfile -t native < <(git ls-files '*.h' '*.cc' '*.cpp')
-mapfile -t library < <(git ls-files 'native/src/*.cpp')
+sources=(git ls-files 'native/*.cpp')
+[[ ${1:-} != --changed ]] || sources=(tools/changed_sources.py native)
+mapfile -t compiled < <("${sources[@]}")
 mapfile -t shell < <(git ls-files '*.sh' '.ci/run')
 ruff=.venv/bin/ruff
 
 check clang-format clang-format --dry-run -Werror "${native[@]}"
-cmake --preset release >/dev/null
-tidy() { printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p build/release; }
-check clang-tidy tidy "${library[@]}"
+cmake -S . -B build/lint -DPLANAR_PYTHON=ON -Dpybind11_DIR="$(.venv/bin/python -m pybind11 --cmakedir)" >/dev/null
+tidy() { printf '%s\0' "$@" | xargs -0 -r -n 1 -P "$(nproc)" clang-tidy --quiet -p build/lint; }
+check "clang-tidy, ${#compiled[@]} sources" tidy "${compiled[@]}"
 check imports .venv/bin/python tools/check_imports.py
 check includes python3 tools/check_includes.py
 check ruff "$ruff" check --no-cache .

@@ -11,7 +11,7 @@ PATH=/usr/bin:/bin:$PATH # the distribution's cmake and compiler, before a user'
 stamp=$(find CMakeLists.txt CMakePresets.json pyproject.toml native -type f ! -name '*.pyc' -print0 |
     sort -z | xargs -0 sha256sum | sha256sum)
 tag=$(. /etc/os-release && echo "$VERSION_CODENAME")-$("$venv/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
-wheels=build/module/$tag/wheel
+wheels=build/module/$tag
 mkdir -p "$wheels"
 exec 9>"$wheels/.lock"
 flock 9
@@ -19,8 +19,9 @@ flock 9
 if [[ ! -f $wheels/.stamp || $(<"$wheels/.stamp") != "$stamp" ]]; then
     echo "Building planar_native ($tag)"
     rm -f "$wheels"/*.whl
-    "$venv/bin/python" -m pip wheel -qq --disable-pip-version-check --no-build-isolation --no-deps \
-        --config-settings=build-dir="build/module/$tag/cmake" --wheel-dir "$wheels" .
+    # The compiler under the name that CMake has for it elsewhere, so that ccache knows its objects.
+    CXX=/usr/bin/c++ "$venv/bin/python" -m pip wheel -qq --disable-pip-version-check --no-build-isolation --no-deps \
+        --config-settings=build-dir="build/module-$tag" --wheel-dir "$wheels" .
     echo "$stamp" >"$wheels/.stamp"
 fi
 if [[ ! -f $venv/.module || $(<"$venv/.module") != "$stamp" ]]; then

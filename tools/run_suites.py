@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Run the test suites of `make test` or `make matrix` one after another and print a table of what they did.
+"""Run the test suites of one of the project's commands, two at a time, and print a table of what they did.
 
 Each suite is a command that prints a runner's closing line; its whole output goes to out/logs/. A suite that
 fails or runs no test fails the command. Only a suite that needs the newest Debian room may be left out, only
 when the room cannot be made, and the table says so.
 
-usage: tools/run_suites.py test|matrix [--after-test]
---after-test: without the suites of the matrix that `make test` runs on this machine, which come before it.
+usage: run_suites.py test|matrix|landing|nightly
+test      the suites of this machine
+matrix    the Blender suites in every supported Blender
+landing   both and lint, each suite once; native builds beside the release as far as they differ from it
+nightly   the same, all of it whole, and every file of window tests in a Blender of its own
 """
 
+import concurrent.futures
 import dataclasses
 import os
 import re
@@ -23,6 +27,7 @@ from typing import IO
 PROJECT = Path(__file__).resolve().parents[1]
 LOGS = PROJECT / "out" / "logs"
 TAIL = 80  # lines of a failed suite's log that are printed
+AT_A_TIME = 2  # suites; most use one core for most of their time
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,39 +48,75 @@ class Outcome:
 PYTHON = ".venv/bin/python"
 NEWEST = "sid"  # the Debian room that may turn out not to be installable
 BPY_VERSIONS = ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
-SUITES = {
-    "test": (
-        Suite("native-release", ("tools/native_tests.sh", "release")),
-        Suite("native-eigen", ("tools/native_tests.sh", "eigen")),
-        Suite("native-asan", ("tools/native_tests.sh", "asan")),
-        Suite("python", (PYTHON, "-m", "pytest", "tests/python")),
-        Suite("data", (PYTHON, "-m", "pytest", "blender_tests/data")),
-        Suite("extension", ("tools/extension_tests.sh",)),
-        Suite("window", ("tools/window_tests.sh",)),
-    ),
-    "matrix": (
-        *(
-            Suite(f"data-{bpy}", ("tools/with_bpy.sh", bpy, "-m", "pytest", "blender_tests/data"))
-            for bpy in BPY_VERSIONS
-        ),
-        *(
-            Suite(f"extension-{blender}", ("tools/extension_tests.sh", blender))
-            for blender in (*BPY_VERSIONS, "trixie", NEWEST)
-        ),
-        *(Suite(f"window-{room}", ("tools/window_tests.sh", "--room", room)) for room in ("trixie", NEWEST)),
-    ),
-}
+PYTEST = (PYTHON, "-m", "pytest")
 
 
-def in_test() -> set[str]:
-    """The suites of the matrix that are in the test command on this machine, under shorter names."""
-    default = subprocess.run(
+def native(preset: str, tests: str = ".") -> Suite:
+    """The tests of a build whose names match a regular expression."""
+    return Suite(f"native-{preset}", ("tools/native_tests.sh", preset, tests))
+
+
+def data(bpy: str) -> Suite:
+    return Suite(f"data-{bpy}", ("tools/with_bpy.sh", bpy, "-m", "pytest", "blender_tests/data"))
+
+
+def extension(blender: str) -> Suite:
+    return Suite(f"extension-{blender}", ("tools/extension_tests.sh", blender))
+
+
+def window(room: str, *options: str) -> Suite:
+    return Suite(f"window-{room}", ("tools/window_tests.sh", "--room", room, *options))
+
+
+def default_bpy() -> str:
+    output = subprocess.run(
         ["tools/default_bpy.sh"], cwd=PROJECT, stdout=subprocess.PIPE, text=True, check=True
     )
-    names = {f"{suite}-{default.stdout.strip()}" for suite in ("data", "extension")}
-    if not os.environ.get("BLENDER") and shutil.which("blender") is None:  # see tools/window_tests.sh
-        names.add("window-trixie")
-    return names
+    return output.stdout.strip()
+
+
+def matrix(*options: str, tested: bool = False) -> list[Suite]:
+    """The Blender suites, without those that on_this_machine() has when it is `tested`; `options` of the windows."""
+    wheels, rooms = list(BPY_VERSIONS), ["trixie", NEWEST]
+    if tested:
+        wheels.remove(default_bpy())
+    windows = [window(room, *options) for room in rooms]
+    if tested and not os.environ.get("BLENDER") and shutil.which("blender") is None:  # see tools/window_tests.sh
+        del windows[0]
+    # A window and what needs none beside each other.
+    return [*windows, *map(data, wheels), *map(extension, (*wheels, *rooms))]
+
+
+def on_this_machine(*options: str, whole: bool) -> list[Suite]:
+    """What `make test` runs; `whole`: every native test in every build; `options` of the windows."""
+    # These come first: what they compile, the others find in ccache, and they take long.
+    native_builds = [
+        native("asan"),
+        native("release"),
+        native("tsan", "." if whole else "Thread|Worker"),
+        native("eigen", "." if whole else "BuildInfo|Solver|Poser"),
+    ]
+    return [
+        *native_builds,
+        Suite("window", ("tools/window_tests.sh", *options)),
+        Suite("data", (*PYTEST, "blender_tests/data")),
+        Suite("python", (*PYTEST, "tests/python")),
+        Suite("python-malloc", ("env", "PYTHONMALLOC=debug", *PYTEST, "tests/python")),
+        Suite("extension", ("tools/extension_tests.sh",)),
+    ]
+
+
+def suites(name: str) -> list[Suite]:
+    if name == "test":
+        return on_this_machine(whole=False)
+    if name == "matrix":
+        return matrix()
+    if name == "landing":
+        return [*on_this_machine(whole=False), *matrix(tested=True), Suite("lint", ("tools/lint.sh", "--changed"))]
+    if name == "nightly":
+        alone = ("--alone",)
+        return [*on_this_machine(*alone, whole=True), *matrix(*alone, tested=True), Suite("lint", ("tools/lint.sh",))]
+    raise SystemExit(__doc__)
 
 
 def counts(log: str) -> tuple[int, int]:
@@ -91,42 +132,69 @@ def counts(log: str) -> tuple[int, int]:
 
 
 def call(command: tuple[str, ...], log: IO[str]) -> int:
+    # CMake's own variable: the share of a suite that builds.
+    jobs = max(1, (os.cpu_count() or 1) // AT_A_TIME)
     return subprocess.run(
-        command, cwd=PROJECT, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, check=False
+        command,
+        cwd=PROJECT,
+        env={**os.environ, "CMAKE_BUILD_PARALLEL_LEVEL": str(jobs)},
+        stdin=subprocess.DEVNULL,
+        stdout=log,
+        stderr=subprocess.STDOUT,
+        check=False,
     ).returncode
 
 
+def row(outcome: Outcome) -> str:
+    what = f"{'left out':>13}" if outcome.left_out else f"{outcome.passed:6} {outcome.failed:6}"
+    return f"{outcome.suite.name:17} {what} {outcome.seconds:8.0f}"
+
+
 def run(suite: Suite) -> Outcome:
-    print(f"{suite.name:17} ", end="", flush=True)
     start = time.monotonic()
     log_path = LOGS / f"{suite.name}.log"
     with log_path.open("w") as log:
         if NEWEST in suite.command and call(("tools/room.sh", NEWEST), log) != 0:
-            print(f"left out: the {NEWEST} room cannot be made here, see {log_path.relative_to(PROJECT)}")
-            return Outcome(suite, 0, 0, time.monotonic() - start, left_out=True)
+            outcome = Outcome(suite, 0, 0, time.monotonic() - start, left_out=True)
+            reason = f"the {NEWEST} room cannot be made here, see {log_path.relative_to(PROJECT)}"
+            print(f"{row(outcome)}  {reason}", flush=True)
+            return outcome
         code = call(suite.command, log)
     text = log_path.read_text(errors="replace")
     passed, failed = counts(text)
     if failed == 0 and (code != 0 or passed == 0):
         failed = 1  # it broke off, or ran nothing
     outcome = Outcome(suite, passed, failed, time.monotonic() - start)
-    print(f"{passed:5} passed {failed:5} failed {outcome.seconds:7.0f} s", flush=True)
+    lines = [row(outcome)]
     if failed:
-        print(f"---- end of {log_path.relative_to(PROJECT)}")
-        print("\n".join(text.splitlines()[-TAIL:]))
-        print("----", flush=True)
+        lines += [f"---- end of {log_path.relative_to(PROJECT)}", *text.splitlines()[-TAIL:], "----"]
+    print("\n".join(lines), flush=True)  # at once, as another suite may end
     return outcome
 
 
+def set_up(name: str) -> Outcome:
+    """What all suites of a command need; what it does is seen as it goes."""
+    start = time.monotonic()
+    suite = Suite("setup", ("tools/setup.sh", "lint" if name in ("landing", "nightly") else "test"))
+    code = subprocess.run(suite.command, cwd=PROJECT, stdin=subprocess.DEVNULL, check=False).returncode
+    return Outcome(suite, 0, int(code != 0), time.monotonic() - start)
+
+
 def main() -> int:
+    start = time.monotonic()
     LOGS.mkdir(parents=True, exist_ok=True)
-    left_out = in_test() if "--after-test" in sys.argv[2:] else set()
-    outcomes = [run(suite) for suite in SUITES[sys.argv[1]] if suite.name not in left_out]
-    print(f"\n{'suite':17} {'passed':>6} {'failed':>6} {'seconds':>8}")
-    for o in outcomes:
-        what = f"{'left out':>13}" if o.left_out else f"{o.passed:6} {o.failed:6}"
-        print(f"{o.suite.name:17} {what} {o.seconds:8.0f}")
+    chosen = suites(sys.argv[1])
+    head = f"{'suite':17} {'passed':>6} {'failed':>6} {'seconds':>8}"
+    ready = set_up(sys.argv[1])
+    print(head, row(ready), sep="\n", flush=True)
+    if ready.failed:
+        print("\n0 passed, 1 failed", flush=True)
+        return 1
+    with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
+        outcomes = [ready, *pool.map(run, chosen)]
+    print(f"\n{head}", *map(row, outcomes), sep="\n")
     failed = sum(outcome.failed for outcome in outcomes)
+    print(f"{'in all':17} {sum(o.passed for o in outcomes):6} {failed:6} {time.monotonic() - start:8.0f}")
     print(f"\n{sum(outcome.passed for outcome in outcomes)} passed, {failed} failed", flush=True)
     return 1 if failed else 0
 

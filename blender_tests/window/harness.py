@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs a file of window tests in Blender: `blender --enable-event-simulate --python harness.py -- test_x.py`.
+"""Runs files of window tests in Blender: `blender --enable-event-simulate --python harness.py -- test_x.py ...`.
 
 A test is a generator function `test_...(window)`: it simulates events, and each `yield` lets Blender handle
-them and redraw. Every test starts from the factory scene without its objects, with the add-on enabled.
+them and redraw. Every test starts from the factory scene without its objects, with the add-on enabled; every
+file from factory settings and with the add-on's modules as if Blender had just started.
 """
 
 import ctypes
@@ -18,6 +19,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 
+import addon_utils
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Quaternion, Vector
@@ -25,6 +27,7 @@ from mathutils import Quaternion, Vector
 HERE = Path(__file__).resolve().parent
 PICTURES = HERE.parents[1] / "out" / "window"
 TOOL = "planar.pose_tool"
+EXTENSION = "bl_ext.user_default.planar_deform"
 
 Test = Callable[["Window"], Iterator[None]]
 
@@ -229,6 +232,24 @@ def fresh_file() -> None:
         bpy.data.objects.remove(thing)
 
 
+def start_anew() -> None:
+    """What another start of Blender does: factory settings and the extension, imported again."""
+    addon_utils.disable(EXTENSION)
+    for name in [name for name in sys.modules if name == EXTENSION or name.startswith(f"{EXTENSION}.")]:
+        del sys.modules[name]
+    bpy.ops.wm.read_factory_settings()
+    addon_utils.enable(EXTENSION, default_set=True)
+    set_preferences()
+
+
+def set_preferences() -> None:
+    preferences = bpy.context.preferences
+    preferences.view.show_splash = False
+    preferences.view.smooth_view = 0
+    preferences.use_preferences_save = False
+    preferences.system.viewport_aa = "OFF"  # most of a redraw's time without a graphics card
+
+
 def load(path: Path) -> list[Test]:
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
@@ -242,8 +263,19 @@ def load(path: Path) -> list[Test]:
     ]
 
 
-def steps(path: Path, window: Window, results: list[bool]) -> Iterator[None]:
-    """Run all tests of the file one after the other, a step at a time."""
+def steps(paths: Sequence[Path], results: list[bool]) -> Iterator[None]:
+    """Run all tests of the files one after the other, a step at a time."""
+    for number, path in enumerate(paths):
+        if number > 0:
+            start_anew()
+        before = len(results)
+        yield from steps_of_file(path, Window(), results)
+        if len(results) == before:
+            results.append(False)
+            print(f"FAIL {path.name} has no tests", flush=True)
+
+
+def steps_of_file(path: Path, window: Window, results: list[bool]) -> Iterator[None]:
     for test in load(path):
         name, started = f"{path.stem}.{test.__name__}", time.monotonic()
         fresh_file()
@@ -270,14 +302,10 @@ def leave(code: int) -> None:
 
 
 def main() -> None:
-    path = Path(sys.argv[sys.argv.index("--") + 1])
-    preferences = bpy.context.preferences
-    preferences.view.show_splash = False
-    preferences.view.smooth_view = 0
-    preferences.use_preferences_save = False
-    preferences.system.viewport_aa = "OFF"  # most of a redraw's time without a graphics card
+    paths = [Path(name) for name in sys.argv[sys.argv.index("--") + 1 :]]
+    set_preferences()
     results: list[bool] = []
-    running = steps(path, Window(), results)
+    running = steps(paths, results)
 
     def tick() -> float:
         try:

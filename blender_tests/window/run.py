@@ -5,9 +5,10 @@
     python3 blender_tests/window/run.py --blender /usr/bin/blender [file ...]
     tools/room.sh trixie python3 blender_tests/window/run.py --blender /usr/bin/blender [file ...]
 
-The built extension is installed as a user would install it, into a throw-away set of user folders; then every
-test file runs in a Blender process of its own. A failed test, a Python error that Blender printed, a crash, a
-time-out and a file in which no test ran are all failures. Exit code 0 only if nothing failed.
+The built extension is installed as a user would install it, into a throw-away set of user folders; then the
+test files run, a few in each Blender process, and where anything fails each of these again in a process of its
+own, which decides. A failed test, a Python error that Blender printed, a crash, a time-out and a file in which
+no test ran are all failures. Exit code 0 only if nothing failed.
 """
 
 import argparse
@@ -17,12 +18,14 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 SCREEN = "1280x800x24"
 TIMEOUT = 600  # seconds a file: a minute on two idle cores, but they may be busy
+TOGETHER = 5  # files in a Blender process
 
 
 def environment(work: Path) -> dict[str, str]:
@@ -60,19 +63,20 @@ def install(blender: str, work: Path, extension: Path) -> None:
         raise SystemExit(f"Blender could not install {extension}:\n{output}")
 
 
-def run_file(blender: str, work: Path, file: Path) -> tuple[int, int, str]:
-    """(passed, failed, what was printed and what else is wrong) of one test file."""
+def run_files(blender: str, work: Path, files: Sequence[Path]) -> tuple[int, int, str]:
+    """(passed, failed, what was printed and what else is wrong) of test files in one Blender."""
+    names = " ".join(file.name for file in files)
     screen = ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}"]
     window = [blender, "--enable-event-simulate", "--window-geometry", "0", "0", "1280", "800"]
-    script = ["--python-exit-code", "1", "--python", str(HERE / "harness.py"), "--", str(file)]
-    code, output = run(work, [*screen, *window, *script], TIMEOUT)
+    script = ["--python-exit-code", "1", "--python", str(HERE / "harness.py"), "--", *map(str, files)]
+    code, output = run(work, [*screen, *window, *script], TIMEOUT * len(files))
     closing = re.search(r"^(\d+) passed, (\d+) failed$", output, re.MULTILINE)
     passed, failed = (int(closing[1]), int(closing[2])) if closing else (0, 0)
     if re.search(r"^Traceback|Error: Python: Traceback", output, re.MULTILINE):
-        output += f"FAIL {file.name}: Blender printed a Python error\n"
+        output += f"FAIL {names}: Blender printed a Python error\n"
         failed += 1
     if failed == 0 and (code != 0 or passed == 0):
-        output += f"FAIL {file.name}: exit code {code}, {passed} tests passed\n"
+        output += f"FAIL {names}: exit code {code}, {passed} tests passed\n"
         failed += 1
     return passed, failed, output
 
@@ -85,7 +89,7 @@ def show(output: str, *, everything: bool) -> None:
 
 def runner_notices_failures(blender: str, work: Path) -> bool:
     """A file with a failing test must be reported as failed; else no other result here means anything."""
-    passed, failed, output = run_file(blender, work, HERE / "broken" / "broken.py")
+    passed, failed, output = run_files(blender, work, [HERE / "broken" / "broken.py"])
     noticed = passed == 2 and failed == 2
     print(f"{'PASS' if noticed else 'FAIL'} run.py: failing tests and printed errors are noticed")
     if not noticed:
@@ -104,6 +108,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Window tests of Planar Deform.")
     parser.add_argument("--blender", required=True, help="a Blender 4.2 or newer")
     parser.add_argument("--extension", type=Path, help="the zip to install (default: the newest in dist/)")
+    parser.add_argument("--alone", action="store_true", help="every file in a process of its own")
     parser.add_argument("--verbose", action="store_true", help="print all that Blender prints")
     parser.add_argument("files", nargs="*", type=Path, help="test files (default: all)")
     options = parser.parse_args()
@@ -116,11 +121,18 @@ def main() -> int:
         if not options.files:
             noticed = runner_notices_failures(options.blender, work)
             passed, failed = int(noticed), int(not noticed)
-        for file in files:
-            file_passed, file_failed, output = run_file(options.blender, work, file)
-            show(output, everything=options.verbose or file_failed > 0)
-            passed += file_passed
-            failed += file_failed
+        together = 1 if options.alone else TOGETHER
+        groups = [files[i : i + together] for i in range(0, len(files), together)]
+        while groups:
+            group = groups.pop(0)
+            group_passed, group_failed, output = run_files(options.blender, work, group)
+            show(output, everything=options.verbose or group_failed > 0)
+            if group_failed and len(group) > 1:
+                print("NOTE these files again, each in a Blender of its own", flush=True)
+                groups[:0] = [[file] for file in group]
+                continue
+            passed += group_passed
+            failed += group_failed
     print(f"{passed} passed, {failed} failed", flush=True)
     return 1 if failed else 0
 

@@ -10,6 +10,7 @@ namespace {
 TEST(BuildInfo, SaysWhatWasBuilt) {
   const BuildInfo info = build_info();
   EXPECT_EQ(info.version, PLANAR_VERSION);
+  EXPECT_EQ(default_backend(), Backend::PLANAR_EXPECTED_BACKEND);
   EXPECT_EQ(info.backend,
             default_backend() == Backend::cholmod ? "CHOLMOD supernodal LLT" : "Eigen SimplicialLDLT");
   EXPECT_EQ(info.suitesparse.empty(), default_backend() == Backend::eigen);

@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Print the compiled sources that differ from what has landed, themselves or in anything they include.
+
+What has landed is where this branch left origin/main or, without that, main. On that commit itself, and where
+the checks or the build have changed, all sources are printed.
+
+usage: changed_sources.py FOLDER...
+"""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[1]
+CONCERNS_ALL = {".clang-tidy", "CMakeLists.txt"}  # the top one, not the lists of sources
+
+
+def git(*arguments: str) -> list[str]:
+    """The lines that git prints, none if it fails."""
+    command = ["git", *arguments]
+    return subprocess.run(
+        command, cwd=PROJECT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False
+    ).stdout.splitlines()
+
+
+def landed() -> str | None:
+    (head,) = git("rev-parse", "HEAD")
+    for branch in ("origin/main", "main"):
+        for commit in git("merge-base", "HEAD", branch):
+            return commit if commit != head else None
+    return None
+
+
+def with_includers(names: set[str], files: list[Path]) -> set[str]:
+    """The names of files, and of those that include one of them, directly or not. Alike names are one."""
+    included = {
+        file.name: {Path(name).name for name in re.findall(r'#include "(.+)"', file.read_text())}
+        for file in files
+    }
+    while more := {name for name, inside in included.items() if inside & names} - names:
+        names = names | more
+    return names
+
+
+def main() -> None:
+    sources = [Path(name) for name in git("ls-files", *sys.argv[1:]) if name.endswith(".cpp")]
+    base = landed()
+    changed = set(git("diff", "--name-only", base)) if base else CONCERNS_ALL
+    if not changed & CONCERNS_ALL:
+        files = [PROJECT / name for name in git("ls-files", "native") if name.endswith((".cpp", ".h"))]
+        concerned = with_includers({Path(name).name for name in changed}, files)
+        sources = [path for path in sources if path.name in concerned]
+    print(*sources, sep="\n", end="\n" if sources else "")
+
+
+if __name__ == "__main__":
+    main()
