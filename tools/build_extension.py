@@ -23,6 +23,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parents[1]
 ADDON = PROJECT / "addon" / "planar_deform"
 BUILD = PROJECT / "build" / "extension"
+CMAKE = PROJECT / "build" / "extension-cmake"
 PLATFORM = "linux-x64"
 NO_WHEELS = "wheels = []"
 # The compiler's own libraries, whose functions carry versions.
@@ -65,7 +66,7 @@ def fingerprint(headers: Path) -> str:
 def compile_module(headers: Path, folder: Path) -> Path:
     """A wheel with the module for the Python of these headers, named after the Python that runs this."""
     settings = {
-        "build-dir": PROJECT / "build" / "extension-cmake",  # one for all: the library does not depend on Python
+        "build-dir": CMAKE,  # one for all: the library itself does not depend on Python
         "cmake.define.Python_INCLUDE_DIR": headers,
         "cmake.define.PYTHON_MODULE_EXTENSION": (headers / "module-suffix").read_text(),
         "cmake.define.PYTHON_MODULE_DEBUG_POSTFIX": "",

@@ -64,8 +64,8 @@ def extension(blender: str) -> Suite:
     return Suite(f"extension-{blender}", ("tools/extension_tests.sh", blender))
 
 
-def window(room: str, *options: str) -> Suite:
-    return Suite(f"window-{room}", ("tools/window_tests.sh", "--room", room, *options))
+def windows(*options: str, whole: bool) -> tuple[str, ...]:
+    return ("tools/window_tests.sh", *options, *(["--alone"] if whole else []))
 
 
 def default_bpy() -> str:
@@ -75,30 +75,31 @@ def default_bpy() -> str:
     return output.stdout.strip()
 
 
-def matrix(*options: str, tested: bool = False) -> list[Suite]:
-    """The Blender suites, without those that on_this_machine() has when it is `tested`; `options` of the windows."""
+def blender_here() -> bool:
+    """Whether tools/window_tests.sh has a Blender of this machine to look at before the trixie room."""
+    return bool(os.environ.get("BLENDER") or shutil.which("blender"))
+
+
+def matrix(*, whole: bool, tested: bool) -> list[Suite]:
+    """The Blender suites, without those that on_this_machine() has when it is `tested`."""
     wheels, rooms = list(BPY_VERSIONS), ["trixie", NEWEST]
+    screens = [Suite(f"window-{room}", windows("--room", room, whole=whole)) for room in rooms]
     if tested:
         wheels.remove(default_bpy())
-    windows = [window(room, *options) for room in rooms]
-    if tested and not os.environ.get("BLENDER") and shutil.which("blender") is None:  # see tools/window_tests.sh
-        del windows[0]
-    # A window and what needs none beside each other.
-    return [*windows, *map(data, wheels), *map(extension, (*wheels, *rooms))]
+    if tested and not blender_here():
+        del screens[0]
+    return [*screens, *map(data, wheels), *map(extension, (*wheels, *rooms))]
 
 
-def on_this_machine(*options: str, whole: bool) -> list[Suite]:
-    """What `make test` runs; `whole`: every native test in every build; `options` of the windows."""
-    # These come first: what they compile, the others find in ccache, and they take long.
-    native_builds = [
+def on_this_machine(*, whole: bool) -> list[Suite]:
+    """What `make test` runs; not `whole`: of the builds beside the release what differs there."""
+    return [
+        # First, as they take long, and the others find in ccache what they compile.
         native("asan"),
         native("release"),
         native("tsan", "." if whole else "Thread|Worker"),
         native("eigen", "." if whole else "BuildInfo|Solver|Poser"),
-    ]
-    return [
-        *native_builds,
-        Suite("window", ("tools/window_tests.sh", *options)),
+        Suite("window", windows(whole=whole)),
         Suite("data", (*PYTEST, "blender_tests/data")),
         Suite("python", (*PYTEST, "tests/python")),
         Suite("python-malloc", ("env", "PYTHONMALLOC=debug", *PYTEST, "tests/python")),
@@ -110,13 +111,10 @@ def suites(name: str) -> list[Suite]:
     if name == "test":
         return on_this_machine(whole=False)
     if name == "matrix":
-        return matrix()
-    if name == "landing":
-        return [*on_this_machine(whole=False), *matrix(tested=True), Suite("lint", ("tools/lint.sh", "--changed"))]
-    if name == "nightly":
-        alone = ("--alone",)
-        return [*on_this_machine(*alone, whole=True), *matrix(*alone, tested=True), Suite("lint", ("tools/lint.sh",))]
-    raise SystemExit(__doc__)
+        return matrix(whole=False, tested=False)
+    whole = name == "nightly"
+    lint = Suite("lint", ("tools/lint.sh", *([] if whole else ["--changed"])))
+    return [*on_this_machine(whole=whole), *matrix(whole=whole, tested=True), lint]
 
 
 def counts(log: str) -> tuple[int, int]:
@@ -181,6 +179,8 @@ def set_up(name: str) -> Outcome:
 
 
 def main() -> int:
+    if sys.argv[1:] not in (["test"], ["matrix"], ["landing"], ["nightly"]):
+        raise SystemExit(__doc__)
     start = time.monotonic()
     LOGS.mkdir(parents=True, exist_ok=True)
     chosen = suites(sys.argv[1])

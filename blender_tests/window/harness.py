@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs files of window tests in Blender: `blender --enable-event-simulate --python harness.py -- test_x.py ...`.
+"""Runs files of window tests in Blender: `blender --enable-event-simulate --python harness.py -- test_x.py`.
 
 A test is a generator function `test_...(window)`: it simulates events, and each `yield` lets Blender handle
 them and redraw. Every test starts from the factory scene without its objects, with the add-on enabled; every

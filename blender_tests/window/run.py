@@ -6,9 +6,9 @@
     tools/room.sh trixie python3 blender_tests/window/run.py --blender /usr/bin/blender [file ...]
 
 The built extension is installed as a user would install it, into a throw-away set of user folders; then the
-test files run, a few in each Blender process, and where anything fails each of these again in a process of its
-own, which decides. A failed test, a Python error that Blender printed, a crash, a time-out and a file in which
-no test ran are all failures. Exit code 0 only if nothing failed.
+test files run, a few in each Blender process. Where anything fails, each file of that process runs again in
+one of its own, which decides. A failed test, a Python error that Blender printed, a crash, a time-out and a
+file in which no test ran are all failures. Exit code 0 only if nothing failed.
 """
 
 import argparse
@@ -97,6 +97,17 @@ def runner_notices_failures(blender: str, work: Path) -> bool:
     return noticed
 
 
+def files_are_apart(blender: str, work: Path) -> bool:
+    """What a file leaves behind must not be there for the next file in the same Blender."""
+    files = [HERE / "broken" / "leaves_traces.py", HERE / "broken" / "finds_none.py"]
+    passed, failed, output = run_files(blender, work, files)
+    apart = passed == 2 and failed == 0
+    print(f"{'PASS' if apart else 'FAIL'} run.py: a file leaves nothing to the next in the same Blender")
+    if not apart:
+        show(output, everything=True)
+    return apart
+
+
 def default_extension() -> Path:
     found = sorted((PROJECT / "dist").glob("planar_deform-*.zip"), key=lambda path: path.stat().st_mtime)
     if not found:
@@ -119,8 +130,8 @@ def main() -> int:
         work = Path(name)
         install(options.blender, work, (options.extension or default_extension()).resolve())
         if not options.files:
-            noticed = runner_notices_failures(options.blender, work)
-            passed, failed = int(noticed), int(not noticed)
+            own = [check(options.blender, work) for check in (runner_notices_failures, files_are_apart)]
+            passed, failed = own.count(True), own.count(False)
         together = 1 if options.alone else TOGETHER
         groups = [files[i : i + together] for i in range(0, len(files), together)]
         while groups:
