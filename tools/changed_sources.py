@@ -18,19 +18,21 @@ CONCERNS_ALL = {".clang-tidy", "CMakeLists.txt"}  # the top one, not the lists o
 
 
 def git(*arguments: str) -> list[str]:
-    """The lines that git prints, none if it fails."""
-    command = ["git", *arguments]
+    """The lines that git prints."""
     return subprocess.run(
-        command, cwd=PROJECT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False
+        ["git", *arguments], cwd=PROJECT, stdout=subprocess.PIPE, text=True, check=True
     ).stdout.splitlines()
 
 
 def landed() -> str | None:
-    (head,) = git("rev-parse", "HEAD")
-    for branch in ("origin/main", "main"):
-        for commit in git("merge-base", "HEAD", branch):
-            return commit if commit != head else None
-    return None
+    """Where this branch left main; None if it did not, or that cannot be told."""
+    mains = ("refs/remotes/origin/main", "refs/heads/main")
+    known = git("for-each-ref", "--sort=-refname", "--format=%(objectname)", *mains)
+    try:
+        bases = git("merge-base", "HEAD", known[0]) if known else []
+    except subprocess.CalledProcessError:  # a clone without its history
+        bases = []
+    return next((base for base in bases if [base] != git("rev-parse", "HEAD")), None)
 
 
 def with_includers(names: set[str], files: list[Path]) -> set[str]:

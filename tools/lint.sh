@@ -25,15 +25,15 @@ check() { # check NAME COMMAND...
 mapfile -t native < <(git ls-files '*.h' '*.cc' '*.cpp')
 sources=(git ls-files 'native/*.cpp')
 [[ ${1:-} != --changed ]] || sources=(tools/changed_sources.py native)
-mapfile -t compiled < <("${sources[@]}")
+compiled=$("${sources[@]}")
 mapfile -t shell < <(git ls-files '*.sh' '.ci/run')
 ruff=.venv/bin/ruff
 
 check clang-format clang-format --dry-run -Werror "${native[@]}"
 cmake -S . -B build/lint -DPLANAR_PYTHON=ON -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=OFF \
     -Dpybind11_DIR="$(.venv/bin/python -m pybind11 --cmakedir)" >/dev/null # without what clang does not know of gcc
-tidy() { printf '%s\0' "$@" | xargs -0 -r -n 1 -P "$(nproc)" clang-tidy --quiet -p build/lint; }
-check "clang-tidy, ${#compiled[@]} sources" tidy "${compiled[@]}"
+tidy() { xargs -r -n 1 -P "$(nproc)" clang-tidy --quiet -p build/lint <<<"$compiled"; }
+check "clang-tidy of $(wc -w <<<"$compiled") sources" tidy
 check imports .venv/bin/python tools/check_imports.py
 check includes python3 tools/check_includes.py
 check ruff "$ruff" check --no-cache .
