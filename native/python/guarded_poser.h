@@ -13,10 +13,8 @@ namespace planar::python {
 
 class GuardedPoser {
  public:
-  GuardedPoser(Points rest, Triangles triangles, PoserOptions options)
-      : triangles_(triangles),
-        n_vertices_(rest.rows()),
-        poser_(std::move(rest), std::move(triangles), std::move(options)) {}
+  GuardedPoser(Points rest, const Triangles& triangles, const PoserOptions& options)
+      : triangles_(triangles), n_vertices_(rest.rows()), poser_(std::move(rest), triangles, options) {}
 
   // What handles inside triangles are read against; never changes, hence needs no lock.
   const Triangles& triangles() const { return triangles_; }

@@ -66,7 +66,7 @@ std::shared_ptr<GuardedPoser> make_poser(py::handle rest, py::handle triangles, 
   options.pin_weight = pin_weight;
   options.stiffness = to_numbers("stiffness", stiffness, t.rows());
   const py::gil_scoped_release unlocked;
-  return std::make_shared<GuardedPoser>(std::move(x), std::move(t), std::move(options));
+  return std::make_shared<GuardedPoser>(std::move(x), t, options);
 }
 
 // A Poser made by __new__ alone holds nothing: asked for the holder pybind11 notices, asked for a reference
