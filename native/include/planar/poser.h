@@ -71,6 +71,9 @@ struct Report {
 ///
 /// 5. Triangles flat at rest have no J and get springs instead; see rest_energy.h.
 ///
+/// Handles do not always say how a part is to be turned: a single one does not, nor do handles in one place,
+/// on targets in one place or mirrored. Then the fit of that motion (rigid_fit.h) turns nothing.
+///
 /// After a move, the factor for the next ones is made in a thread of the object's own, if it is due; the next
 /// call waits for it. What is due is counted, not timed: results do not depend on threads.
 ///

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <complex>
 
+#include "base/complex_rows.h"
 #include "base/index.h"
+#include "energy/rigid_fit.h"
 #include "planar/types.h"
 
 namespace planar {
@@ -167,33 +169,19 @@ void FrameTracker::minimise(double settled, Points& x) {
 /// Where to start for y from the solution x of a frame `of` near to it: moved as from `of` to y, rigidly
 /// where more would collapse a triangle. Vertices of other parts are y's.
 Points FrameTracker::predicted(const Points& x, const Points& of, const Points& y) const {
-  struct Fit {
-    double count = 0.0;
-    Complex from = 0.0, to = 0.0, turn = 0.0;
-  };
-  const auto complex = [](const Points& p, int v) { return Complex(p(v, 0), p(v, 1)); };
-  std::vector<Fit> fits(at(mesh_.n_parts));
   const auto for_vertices = [&](const auto& visit) {
     for (int v = 0; v < mesh_.n_vertices; ++v) {
-      if (mesh_.part[at(v)] >= 0) visit(v, fits[at(mesh_.part[at(v)])]);
+      if (mesh_.part[at(v)] >= 0) visit(v, mesh_.part[at(v)]);
     }
   };
-  for_vertices([&](int v, Fit& fit) {
-    fit.count += 1.0;
-    fit.from += complex(of, v);
-    fit.to += complex(y, v);
-  });
-  for (Fit& fit : fits) {
-    fit.from /= fit.count;
-    fit.to /= fit.count;
-  }
-  for_vertices(
-      [&](int v, Fit& fit) { fit.turn += std::conj(complex(of, v) - fit.from) * (complex(y, v) - fit.to); });
-  for (Fit& fit : fits) fit.turn = std::abs(fit.turn) > 0.0 ? fit.turn / std::abs(fit.turn) : 1.0;
+  std::vector<PointPair> pairs;
+  for_vertices([&](int v, int part) { pairs.push_back({part, 1.0, complex_row(of, v), complex_row(y, v)}); });
+  const std::vector<RigidMotion> motions = fit_rigid_motions(mesh_.n_parts, pairs);
   Points result = y, bending = Points::Zero(y.rows(), 2);
-  for_vertices([&](int v, const Fit& fit) {
-    const Complex p = fit.to + fit.turn * (complex(x, v) - fit.from);
-    const Complex left = complex(y, v) - fit.to - fit.turn * (complex(of, v) - fit.from);
+  for_vertices([&](int v, int part) {
+    const RigidMotion& motion = motions[at(part)];
+    const Complex p = motion.at(complex_row(x, v));
+    const Complex left = motion.left(complex_row(of, v), complex_row(y, v));
     result.row(v) << p.real(), p.imag();
     bending.row(v) << left.real(), left.imag();
   });

@@ -13,7 +13,7 @@ namespace planar {
 
 namespace {
 
-constexpr double same_weights = 1e-9;  // barycentric weights of one and the same point
+constexpr double same_weights = 1e-9;  // barycentric weights of one and the same point, or none
 
 /// The point of one handle.
 Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
@@ -34,7 +34,7 @@ Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
   }
   std::sort(corner.begin(), corner.end());
   for (const auto& [v, weight] : corner) {
-    if (weight == 0.0) continue;
+    if (std::abs(weight) <= same_weights) continue;
     if (pin.n_corners > 0 && pin.vertex[pin.n_corners - 1] == v) {
       pin.weight[pin.n_corners - 1] += weight;
       continue;
@@ -85,6 +85,12 @@ std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen
     pins.back().patch = pins.back().patch || point.patch;
   }
   return pins;
+}
+
+Eigen::RowVector2d pinned_point(const Pin& pin, const Points& x) {
+  Eigen::RowVector2d p = Eigen::RowVector2d::Zero();
+  for (std::size_t c = 0; c < pin.n_corners; ++c) p += pin.weight[c] * x.row(pin.vertex[c]);
+  return p;
 }
 
 }  // namespace planar

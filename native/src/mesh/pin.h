@@ -36,4 +36,7 @@ struct Pin {
 std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen::VectorXd& weights,
                            const std::vector<char>& patch);
 
+/// Where a pin is when the mesh's vertices are at x (n×2).
+Eigen::RowVector2d pinned_point(const Pin& pin, const Points& x);
+
 }  // namespace planar

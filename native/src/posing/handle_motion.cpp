@@ -5,6 +5,10 @@
 #include <cmath>
 #include <complex>
 
+#include "base/complex_rows.h"
+#include "base/index.h"
+#include "energy/rigid_fit.h"
+
 namespace planar {
 
 namespace {
@@ -12,8 +16,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double nearly_rigid = 0.05;  // what a rigid motion may leave of the largest distance
-
-Complex at(const Points& points, int row) { return {points(row, 0), points(row, 1)}; }
 
 /// (e^{ia} - 1)/(ia): what velocities that turn with rate a come to in unit time.
 Complex turning(double a) {
@@ -25,29 +27,26 @@ Complex turning(double a) {
 
 Points velocities_towards(const Points& from, const Points& to, const std::vector<MovingTogether>& sets) {
   Points velocity = to - from;
-  std::vector<char> done(static_cast<std::size_t>(from.rows()));
+  std::vector<char> done(at(static_cast<int>(from.rows())));
+  std::vector<PointPair> pairs;
   for (const MovingTogether& set : sets) {
-    if (set.rows.size() < 2 || done[static_cast<std::size_t>(set.rows[0])]) continue;
-    Complex centre = 0.0, target = 0.0, turn = 0.0;
-    for (const int row : set.rows) {
-      centre += at(from, row) / static_cast<double>(set.rows.size());
-      target += at(to, row) / static_cast<double>(set.rows.size());
-    }
-    for (const int row : set.rows) turn += (at(to, row) - target) * std::conj(at(from, row) - centre);
-    const double angle = std::arg(turn);
-    const Complex rotation = std::polar(1.0, angle);
-    const auto left = [&](int row) { return at(to, row) - target - rotation * (at(from, row) - centre); };
+    if (set.rows.size() < 2) continue;
+    pairs.clear();
+    for (const int row : set.rows) pairs.push_back({0, 1.0, complex_row(from, row), complex_row(to, row)});
+    const RigidMotion motion = fit_rigid_motions(1, pairs).front();
     double most_left = 0.0, distance = 0.0;
-    for (const int row : set.rows) {
-      most_left = std::max(most_left, std::abs(left(row)));
-      distance = std::max(distance, std::abs(at(to, row) - at(from, row)));
+    for (const PointPair& pair : pairs) {
+      most_left = std::max(most_left, std::abs(motion.left(pair.from, pair.to)));
+      distance = std::max(distance, std::abs(pair.to - pair.from));
     }
     if (!set.always && !(most_left <= nearly_rigid * distance)) continue;
-    const Complex drift = (target - centre) / turning(angle);
-    for (const int row : set.rows) {
-      const Complex u = Complex(0.0, angle) * (at(from, row) - centre) + drift + left(row);
-      velocity.row(row) << u.real(), u.imag();
-      done[static_cast<std::size_t>(row)] = 1;
+    const Complex drift = (motion.to - motion.from) / turning(motion.angle);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (done[at(set.rows[i])]) continue;
+      const Complex u = Complex(0.0, motion.angle) * (pairs[i].from - motion.from) + drift +
+                        motion.left(pairs[i].from, pairs[i].to);
+      velocity.row(set.rows[i]) << u.real(), u.imag();
+      done[at(set.rows[i])] = 1;
     }
   }
   return velocity;

@@ -7,8 +7,9 @@
 #include <limits>
 #include <utility>
 
+#include "base/complex_rows.h"
 #include "base/index.h"
-#include "energy/rigid_motion.h"
+#include "energy/rigid_fit.h"
 
 namespace planar {
 
@@ -99,32 +100,42 @@ void HoldMethod::descend(const Points& targets, const Budget& budget, Points& x,
 /// Takes the parts along with their pins where that is a rigid motion for the most part, no vertex further
 /// than `limit`; true if the limit stopped it.
 bool HoldMethod::follow_rigidly(double limit, Points& x) {
-  std::vector<RigidMotion> motions = fit_rigid_motions(mesh_, pins_, x);
-  std::vector<Complex> turn(motions.size(), 1.0);
+  std::vector<PointPair> pairs;
+  pairs.reserve(pins_.size());
+  for (const Pin& pin : pins_) {
+    pairs.push_back(
+        {pin.part, pin.strength, complex_point(pinned_point(pin, x)), complex_point(pin.position)});
+  }
+  const std::vector<RigidMotion> motions = fit_rigid_motions(mesh_.n_parts, pairs);
+  // Σ strength |pin - its target|² of each part without and with its motion.
+  std::vector<double> before(motions.size()), after(motions.size());
+  for (const PointPair& pair : pairs) {
+    before[at(pair.part)] += pair.weight * std::norm(pair.to - pair.from);
+    after[at(pair.part)] += pair.weight * std::norm(pair.to - motions[at(pair.part)].at(pair.from, 1.0));
+  }
+  const auto follows = [&](std::size_t part) {
+    return before[part] > 0.0 && after[part] <= worth_following * before[part];
+  };
   double furthest = 0.0;
   for (int v = 0; v < mesh_.n_vertices; ++v) {
-    if (!system_.is_active(v)) continue;
-    RigidMotion& motion = motions[at(mesh_.part[at(v)])];
-    if (!(motion.after <= worth_following * motion.before)) motion.weight = 0.0;
-    if (motion.weight == 0.0) continue;
-    furthest =
-        std::max(furthest, std::abs(motion.target - motion.centre) +
-                               std::abs(motion.angle) * std::abs(Complex(x(v, 0), x(v, 1)) - motion.centre));
+    if (!system_.is_active(v) || !follows(at(mesh_.part[at(v)]))) continue;
+    const RigidMotion& motion = motions[at(mesh_.part[at(v)])];
+    furthest = std::max(furthest, std::abs(motion.to - motion.from) +
+                                      std::abs(motion.angle) * std::abs(complex_row(x, v) - motion.from));
   }
   if (furthest <= negligible * diagonal_) return false;
   double share = furthest > limit ? limit / furthest : 1.0;
   for (int halvings = 0; halvings <= following_budget; ++halvings, share *= 0.5) {
     trial_ = x;
     for (int v = 0; v < mesh_.n_vertices; ++v) {
-      if (!system_.is_active(v)) continue;
-      const RigidMotion& motion = motions[at(mesh_.part[at(v)])];
-      if (motion.weight == 0.0) continue;
-      const Complex p = motion.at({x(v, 0), x(v, 1)}, share);
+      if (!system_.is_active(v) || !follows(at(mesh_.part[at(v)]))) continue;
+      const Complex p = motions[at(mesh_.part[at(v)])].at(complex_row(x, v), share);
       trial_.row(v) << p.real(), p.imag();
     }
     if (!keeps_upright(trial_)) continue;
+    std::vector<Complex> turn(motions.size(), 1.0);
     for (std::size_t part = 0; part < motions.size(); ++part) {
-      if (motions[part].weight != 0.0) turn[part] = std::polar(1.0, share * motions[part].angle);
+      if (follows(part)) turn[part] = std::polar(1.0, share * motions[part].angle);
     }
     system_.turn(turn);
     std::swap(x, trial_);

@@ -47,6 +47,26 @@ TEST(HandleMotion, AllOfAPartTurnOnlyIfTheirTargetsAreRigid) {
   EXPECT_EQ(velocities_towards(from, to, sets), to - from);
 }
 
+TEST(HandleMotion, ATurnThatNothingDeterminesIsNone) {
+  // Handles at one point, their targets apart, and the other way round.
+  const Points some = random_points(4, 1), one = random_points(1, 2).replicate(4, 1);
+  const std::vector<MovingTogether> sets{{{0, 1, 2, 3}, true}};
+  EXPECT_LT((velocities_towards(one, some, sets) - (some - one)).cwiseAbs().maxCoeff(), rounding);
+  EXPECT_LT((velocities_towards(some, one, sets) - (one - some)).cwiseAbs().maxCoeff(), rounding);
+}
+
+TEST(HandleMotion, ASetIsFittedWholeAndAppliesToWhatIsLeft) {
+  // The rows 0 and 1 follow the first set; the others get the velocities of the second one, whichever of its
+  // rows is named first.
+  const Points from = random_points(4, 1);
+  Points to = rigid_motion(from, 1.0, 0.3, -0.2);
+  const Points turn = velocities_towards(from, to, {{{0, 1, 2, 3}, true}});
+  for (const std::vector<int>& patch : {std::vector<int>{0, 1, 2, 3}, {3, 1, 2, 0}}) {
+    const Points u = velocities_towards(from, to, {{{0, 1}, false}, {patch, true}});
+    EXPECT_LT((u - turn).cwiseAbs().maxCoeff(), rounding);
+  }
+}
+
 TEST(HandleMotion, HandlesAtTheirTargetsRest) {
   const Points from = random_points(3, 1);
   EXPECT_EQ(velocities_towards(from, from, {{{0, 1, 2}, true}}).cwiseAbs().maxCoeff(), 0.0);
