@@ -103,8 +103,7 @@ void KillingSolver::fit_centres() {
   bent_.assign(at(mesh_.n_parts), 0);
   std::vector<double> spread(at(mesh_.n_parts));
   for (Pin& pin : pins_) {
-    pin.position.setZero();
-    for (std::size_t c = 0; c < pin.n_corners; ++c) pin.position += pin.weight[c] * x_.row(pin.vertex[c]);
+    pin.position = pinned_point(pin, x_);
     RigidField& rigid = rigid_[at(pin.part)];
     rigid.centre += strength(pin) * pin.position;
     rigid.weight += strength(pin);
@@ -227,7 +226,7 @@ void KillingSolver::solve_soft() {
 
 // U minimises E_K subject to C U = u. With A = K + CᵀC and Z = A⁻¹Cᵀ it is U = Z m, (C Z) m = u: A U + Cᵀμ =
 // Cᵀu for some multipliers μ, hence U is in the span of Z. The same pattern as (7), and exact. The pull of
-// the handles is K U = Cᵀ(m - u).
+// the handles is K U = Cᵀ(m - u). Of Z only C Z is kept: U = A⁻¹ Cᵀm costs one solve more.
 void KillingSolver::solve_hard() {
   std::vector<Pin*> active;
   for (Pin& pin : pins_) {
@@ -235,24 +234,24 @@ void KillingSolver::solve_hard() {
     active.push_back(&pin);
   }
   const auto n_constraints = static_cast<Eigen::Index>(2 * active.size());
-  Eigen::MatrixXd z(all_->unknown.size(), n_constraints);
-  Eigen::MatrixXd schur(n_constraints, n_constraints);
-  Eigen::VectorXd wanted(n_constraints), column(all_->unknown.size());
-  for (Eigen::Index k = 0; k < n_constraints; ++k) {
-    const Pin& pin = *active[static_cast<std::size_t>(k / 2)];
-    column.setZero();
+  const auto pin_of = [&active](Eigen::Index k) -> Pin& { return *active[static_cast<std::size_t>(k / 2)]; };
+  // Calls visit(row of A, weight) for the entries of a row of C.
+  const auto for_entries = [&](Eigen::Index k, const auto& visit) {
+    const Pin& pin = pin_of(k);
     for (std::size_t c = 0; c < pin.n_corners; ++c)
-      column[2 * all_->killing.place(pin.vertex[c]) + k % 2] = pin.weight[c];
-    all_->solver->solve(column, column);
-    z.col(k) = column;
-    wanted[k] = pin.velocity[k % 2];
-  }
+      visit(2 * all_->killing.place(pin.vertex[c]) + k % 2, pin.weight[c]);
+  };
+  Eigen::VectorXd& unknown = all_->unknown;
+  Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(n_constraints, n_constraints);
+  Eigen::VectorXd wanted(n_constraints);
   for (Eigen::Index k = 0; k < n_constraints; ++k) {
-    const Pin& pin = *active[static_cast<std::size_t>(k / 2)];
-    schur.row(k).setZero();
-    for (std::size_t c = 0; c < pin.n_corners; ++c) {
-      schur.row(k) += pin.weight[c] * z.row(2 * all_->killing.place(pin.vertex[c]) + k % 2);
+    unknown.setZero();
+    for_entries(k, [&](Eigen::Index row, double weight) { unknown[row] = weight; });
+    all_->solver->solve(unknown, unknown);
+    for (Eigen::Index i = 0; i < n_constraints; ++i) {
+      for_entries(i, [&](Eigen::Index row, double weight) { schur(i, k) += weight * unknown[row]; });
     }
+    wanted[k] = pin_of(k).velocity[k % 2];
   }
   // Dependent constraints (four handles in a triangle) make it singular; a rank-revealing factor meets them
   // by least squares.
@@ -260,10 +259,12 @@ void KillingSolver::solve_hard() {
   dense.setThreshold(1e-10);
   dense.compute(schur);
   const Eigen::VectorXd multiplier = dense.solve(wanted);
-  all_->unknown = z * multiplier;
+  unknown.setZero();
   for (Eigen::Index k = 0; k < n_constraints; ++k) {
-    active[static_cast<std::size_t>(k / 2)]->force[k % 2] = multiplier[k] - wanted[k];
+    for_entries(k, [&](Eigen::Index row, double weight) { unknown[row] += weight * multiplier[k]; });
+    pin_of(k).force[k % 2] = multiplier[k] - wanted[k];
   }
+  all_->solver->solve(unknown, unknown);
 }
 
 // (8) with U = U° + d, d = 0 on the boundary: K_II d = -(K U°)_I, and by (7) K U° is zero but at the handles.
