@@ -6,8 +6,8 @@
 namespace planar {
 
 /// k points of a mesh, each the weighted mean of the three vertices of its row. The weights of a row sum
-/// to 1. A vertex v is (v, v, v) with weights (1, 0, 0). The vertices that carry weight in a row must be
-/// those of one triangle (or edge, or vertex).
+/// to 1. A vertex v is (v, v, v) with weights (1, 0, 0). The vertices that carry weight in a row, more than
+/// 1e-9, must be those of one triangle (or edge, or vertex).
 struct Handles {
   Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor> vertices;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> weights;

@@ -88,6 +88,16 @@ struct Report {
 /// 3. Triangles squeezed to less than about 0.38 of their rest width are stiffened, and where (16) would take
 /// 30 % of a triangle's area in a substep, its vertices share the mean of their factors φ. The paper's step
 /// inverts triangles on most large poses.
+///
+/// 4. A part whose handles have further to go, on average, than the rest's box diagonal first makes that way
+/// without any deformation: (16) multiplies the way by factors φ that differ from vertex to vertex.
+///
+/// Sizes and places: positions are worked on relative to the middle of the rest shape, so that a rest far
+/// from the origin is posed as one near it. Blender stores float32, which tells coordinates apart to 1/2²³ of
+/// their size: at a distance of some 2²¹ times its height (two million) it can no longer keep a triangle from
+/// turning over. Neither method takes a triangle that it judges (see Orientation) further than that: moves
+/// end before their targets then, and report().converged is false. Triangles of a rest that lies so far out
+/// itself, or whose size float32 does not have (1e-38 to 1e38), are not judged.
 class Poser {
  public:
   /// μ or λ² of a pin when PoserOptions::pin_weight is empty. With hold, handles of twelve published poses of

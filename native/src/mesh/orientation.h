@@ -12,13 +12,20 @@ class Orientation {
  public:
   /// Takes the orientation of `rest` as the right one. Triangles there that are flat, or thinner than what
   /// float32 makes of their coordinates, are not judged.
-  Orientation(const Points& rest, const Triangles& triangles);
+  ///
+  /// \param origin what the positions given to the functions below are relative to
+  Orientation(const Points& rest, const Triangles& triangles,
+              const Eigen::RowVector2d& origin = Eigen::RowVector2d::Zero());
 
   /// Whether triangle t is judged.
   bool judges(int t) const { return sign_[static_cast<std::size_t>(t)] != 0.0; }
 
   /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.
   void measure(const Points& x, std::vector<double>& area) const;
+
+  /// The same of x as it is. Far from the origin, rounding to float32 changes areas long before it turns
+  /// triangles over.
+  void measure_exactly(const Points& x, std::vector<double>& area) const;
 
   /// Whether each triangle lies the other way round at x.
   Flags flipped(const Points& x) const;
@@ -27,7 +34,11 @@ class Orientation {
   int count_flipped(const Points& x) const;
 
  private:
+  /// Twice the area in float32, positive if t lies as at rest; 0 if it is not judged.
+  double area_as_at_rest(const Points& x, std::size_t t) const;
+
   Triangles triangles_;
+  Eigen::RowVector2d origin_;
   std::vector<double> sign_;  ///< of the rest: 1, -1, or 0 if not judged
 };
 

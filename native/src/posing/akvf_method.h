@@ -13,8 +13,10 @@ namespace planar {
 /// PoserMethod::akvf: fields along logarithmic spirals, see planar/poser.h.
 class AkvfMethod final : public PosingMethod {
  public:
+  /// \param orientation of the rest, to outlive the object
   /// \param stiffness m factors, or empty
-  AkvfMethod(const Points& rest, Triangles triangles, const Eigen::VectorXd& stiffness);
+  AkvfMethod(const Points& rest, Triangles triangles, const Orientation& orientation,
+             const Eigen::VectorXd& stiffness);
 
   void set_handles(const HandleSet& handles) override;
   void move(const Points& targets, Points& x, Report& report) override;
@@ -23,6 +25,8 @@ class AkvfMethod final : public PosingMethod {
   void reset() noexcept override {}
 
  private:
+  void carry(const Points& targets, Points& x, Report& report);
+  bool keeps_upright(const Points& x);
   void step(const Points& targets, Points& x, Report& report);
   bool substep(const Points& targets, Points& x, double limit, Report& report);
   void prepare(const Points& x);
@@ -32,14 +36,16 @@ class AkvfMethod final : public PosingMethod {
   double diagonal_;
   KillingSolver solver_;
   Spirals spirals_;
-  Orientation orientation_;
+  const Orientation& orientation_;
   TriangleGuard guard_;
   Handles handles_;
+  std::vector<std::vector<int>> part_rows_;  ///< of each part's handles
   std::vector<MovingTogether> together_;
 
   Points next_, field_;  // of the substep under way
   Eigen::VectorXd stiffness_;
-  std::vector<double> area_, next_area_;
+  std::vector<double> upright_, next_upright_;  ///< areas as float32, see Orientation::measure
+  std::vector<double> area_, next_area_;        ///< and as they are
 };
 
 }  // namespace planar

@@ -43,9 +43,10 @@ constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-HoldMethod::HoldMethod(const Points& rest, const Triangles& triangles, const Eigen::VectorXd& stiffness)
+HoldMethod::HoldMethod(const Points& rest, const Triangles& triangles, const Orientation& orientation,
+                       const Eigen::VectorXd& stiffness)
     : mesh_(rest.rows(), triangles),
-      orientation_(rest, mesh_.triangles),
+      orientation_(orientation),
       system_(mesh_, rest, orientation_, stiffness),
       diagonal_((rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm()) {}
 

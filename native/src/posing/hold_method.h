@@ -13,8 +13,10 @@ namespace planar {
 /// PoserMethod::hold: descends the rest energy and the pins' springs, see planar/poser.h.
 class HoldMethod final : public PosingMethod {
  public:
+  /// \param orientation of the rest, to outlive the object
   /// \param stiffness m factors, or empty
-  HoldMethod(const Points& rest, const Triangles& triangles, const Eigen::VectorXd& stiffness);
+  HoldMethod(const Points& rest, const Triangles& triangles, const Orientation& orientation,
+             const Eigen::VectorXd& stiffness);
 
   void set_handles(const HandleSet& handles) override;
   void move(const Points& targets, Points& x, Report& report) override;
@@ -47,7 +49,7 @@ class HoldMethod final : public PosingMethod {
   bool keeps_upright(const Points& x);
 
   Mesh mesh_;
-  Orientation orientation_;
+  const Orientation& orientation_;
   HoldSystem system_;
   double diagonal_;
   std::vector<Pin> pins_;  ///< with targets in Pin::position

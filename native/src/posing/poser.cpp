@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planar/poser.h"
 
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -14,11 +15,29 @@ namespace planar {
 
 namespace {
 
+/// What positions are relative to while they are worked on, so that they have the same digits wherever the
+/// rest lies: near its middle, and a multiple of a power of two above its size. Taking that off costs hardly
+/// a digit, and nothing where the rest lies about the origin: there it is 0.
+Eigen::RowVector2d centre_of(const Points& rest) {
+  const Eigen::RowVector2d lowest = rest.colwise().minCoeff(), highest = rest.colwise().maxCoeff();
+  int exponent = 0;
+  std::frexp((highest - lowest).maxCoeff(), &exponent);
+  const double unit = std::ldexp(1.0, exponent);
+  const auto along = [&](int axis) {
+    const double middle = 0.5 * lowest[axis] + 0.5 * highest[axis];
+    const double result = unit * std::round(middle / unit);
+    return std::isfinite(result) ? result : middle;
+  };
+  return {along(0), along(1)};
+}
+
+Points moved(const Points& x, const Eigen::RowVector2d& way) { return x.rowwise() + way; }
+
 std::unique_ptr<PosingMethod> make_method(const Points& rest, const Triangles& triangles,
-                                          const PoserOptions& options) {
+                                          const Orientation& orientation, const PoserOptions& options) {
   if (options.method == PoserMethod::hold)
-    return std::make_unique<HoldMethod>(rest, triangles, options.stiffness);
-  return std::make_unique<AkvfMethod>(rest, triangles, options.stiffness);
+    return std::make_unique<HoldMethod>(rest, triangles, orientation, options.stiffness);
+  return std::make_unique<AkvfMethod>(rest, triangles, orientation, options.stiffness);
 }
 
 }  // namespace
@@ -27,8 +46,10 @@ struct Poser::State {
   State(Points rest_, const Triangles& triangles, const PoserOptions& options)
       : rest(std::move(rest_)),
         pin_weight(options.pin_weight.value_or(default_pin_weight)),
-        method(make_method(rest, triangles, options)),
-        orientation(rest, triangles),
+        centre(centre_of(rest)),
+        orientation(rest, triangles, centre),
+        x(moved(rest, -centre)),
+        method(make_method(x, triangles, orientation, options)),
         positions(rest) {}
 
   using Action = void (PosingMethod::*)(const Points& targets, Points& x, Report& report);
@@ -36,30 +57,37 @@ struct Poser::State {
 
   Points rest;
   double pin_weight;
-  std::unique_ptr<PosingMethod> method;  ///< checks the triangles, hence comes first
+  Eigen::RowVector2d centre;
   Orientation orientation;
+  Points x;  ///< positions, relative to the centre
+  std::unique_ptr<PosingMethod> method;
   Handles handles;
   Points positions;
-  std::optional<Points> targets;
+  std::optional<Points> targets;  ///< relative to the centre
   Report report;
-  Points next;  ///< positions under way
+  Points next;  ///< x under way
 };
 
 void Poser::State::act(Action action, Points towards) {
   Report done;
-  next = positions;
+  next = x;
   (method.get()->*action)(towards, next, done);
   if (towards.rows() != 0) {
     done.furthest_handle = (handles.positions(next) - towards).rowwise().norm().maxCoeff();
   }
   done.flipped = orientation.count_flipped(next);
-  std::swap(positions, next);
+  // What stays where it is does so to the bit.
+  for (Eigen::Index v = 0; v < x.rows(); ++v) {
+    if (next.row(v) != x.row(v)) positions.row(v) = next.row(v) + centre;
+  }
+  std::swap(x, next);
   targets = std::move(towards);
   report = done;
 }
 
 Poser::Poser(Points rest, const Triangles& triangles, const PoserOptions& options) {
   require_mesh("rest", rest, triangles);
+  require_triangles(rest.rows(), triangles);
   if (options.pin_weight) require_positive("pin_weight", Eigen::VectorXd::Constant(1, *options.pin_weight));
   require_stiffness(options.stiffness, triangles);
   state_ = std::make_unique<State>(std::move(rest), triangles, options);
@@ -100,7 +128,7 @@ void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorX
 const Points& Poser::move(const Points& targets) {
   require_rows("targets", targets.rows(), state_->handles.size(), "handle");
   require_finite("targets", targets);
-  state_->act(&PosingMethod::move, targets);
+  state_->act(&PosingMethod::move, moved(targets, -state_->centre));
   return state_->positions;
 }
 
@@ -120,10 +148,11 @@ void Poser::reset(const Points& positions) {
   State& state = *state_;
   require_rows("positions", positions.rows(), state.rest.rows(), "vertex");
   require_finite("positions", positions);
+  state.x = moved(positions, -state.centre);
   state.positions = positions;
   state.targets.reset();
   state.report = {};
-  state.report.flipped = state.orientation.count_flipped(positions);
+  state.report.flipped = state.orientation.count_flipped(state.x);
   state.method->reset();
 }
 

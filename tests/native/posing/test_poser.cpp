@@ -262,6 +262,147 @@ TEST_F(Bar, APatchInsideIsTurnedWithTheMeshRoundIt) {
   EXPECT_EQ(turning.report().flipped, 0);
 }
 
+/// Two grids side by side, not connected.
+Shape two_parts() { return joined(grid(5), moved(grid(5, 2), 1.5, 0.0)); }
+
+TEST(Poser, HandlesMayComeInAnyOrder) {
+  // One group spans both parts; which of them its first handle belongs to must not matter.
+  const Shape shape = two_parts();
+  const std::vector<int> vertices{0, 4, 12, 24, 25, 37, 49};
+  const std::vector<int> labels{0, 5, 5, 3, 1, 5, 2};
+  const std::vector<std::vector<int>> orders{
+      {0, 1, 2, 3, 4, 5, 6}, {5, 3, 4, 0, 2, 6, 1}, {6, 5, 4, 3, 2, 1, 0}};
+  const Points rest = at(shape, vertices).positions(shape.vertices);
+  Points targets = rest + 0.1 * random_points(7, 3);
+  // The first part turns as a whole, the second one does not.
+  targets.topRows(4) = rigid_motion(rest.topRows(4), 1.2, 0.2, 0.1);
+  for (const PoserMethod method : {PoserMethod::hold, PoserMethod::akvf}) {
+    std::vector<Points> poses;
+    for (const auto& order : orders) {
+      std::vector<int> pinned;
+      Eigen::VectorXi groups(7);
+      Points wanted(7, 2);
+      for (std::size_t i = 0; i < order.size(); ++i) {
+        const auto from = static_cast<std::size_t>(order[i]);
+        pinned.push_back(vertices[from]);
+        groups[static_cast<Eigen::Index>(i)] = labels[from];
+        wanted.row(static_cast<Eigen::Index>(i)) = targets.row(order[i]);
+      }
+      Poser poser(shape.vertices, shape.triangles, {.method = method});
+      poser.set_handles(at(shape, pinned), {}, groups);
+      poses.push_back(poser.move(wanted));
+    }
+    for (const Points& pose : poses) EXPECT_LT(difference(pose, poses[0]), 1e-9);
+  }
+}
+
+TEST(Poser, CornersWithoutWeightCountForNothing) {
+  // (a, b, c) with weights (0, w, 1 - w) is a point of the edge bc; a may be a vertex of another part.
+  const Shape shape = two_parts();
+  Handles handles = at(shape, {0, 4, 20, 25, 29, 45});
+  Points targets = handles.positions(shape.vertices);
+  targets.topRows(3) = rigid_motion(targets.topRows(3), 1.0, 0.1, 0.0);
+  targets.bottomRows(3) = rigid_motion(targets.bottomRows(3), -0.8, 0.0, 2.0);
+  for (const PoserMethod method : {PoserMethod::hold, PoserMethod::akvf}) {
+    const auto pose = [&] {
+      Poser poser(shape.vertices, shape.triangles, {.method = method});
+      poser.set_handles(handles);
+      return Points(poser.move(targets));
+    };
+    handles = at(shape, {0, 4, 20, 25, 29, 45});
+    const Points expected = pose();
+    for (const Eigen::Index i : {0, 2, 4}) {
+      const int vertex = handles.vertices(i, 0);
+      handles.vertices.row(i) << 49 - vertex, vertex, vertex;
+      handles.weights.row(i) << 0.0, 1.0, 0.0;
+    }
+    EXPECT_EQ(pose(), expected);
+  }
+}
+
+class Distance : public ::testing::TestWithParam<PoserMethod> {};
+
+TEST_P(Distance, TargetsAreReachedAsFarAwayAsFloat32Allows) {
+  const Shape shape = bar();
+  const double size = std::sqrt(17.0);
+  const Handles handles = at(shape, {50, 74});
+  const auto pose = [&](double distance) {
+    const Eigen::RowVector2d far = distance * size * Eigen::RowVector2d(0.6, -0.8);
+    Poser poser(shape.vertices, shape.triangles, {.method = GetParam()});
+    poser.set_handles(handles);
+    Points targets = handles.positions(shape.vertices);
+    targets.row(1) += Eigen::RowVector2d(0.2, 0.7);
+    poser.move(targets.rowwise() + far);
+    const Points x = poser.settle();
+    EXPECT_TRUE(poser.report().converged) << distance;
+    EXPECT_LT(poser.report().furthest_handle, 1e-3 * size) << distance;
+    EXPECT_EQ(poser.report().flipped, 0) << distance;
+    return Points(x.rowwise() - far);
+  };
+  const Points expected = pose(0.0);
+  // The way there is another one for akvf, whose shapes depend on it.
+  for (const double distance : {2.0, 10.0, 1e2, 1e3, 1e4, 1e5}) {
+    EXPECT_LT(difference(pose(distance), expected), 0.02 * size) << distance;
+  }
+}
+
+TEST_P(Distance, TargetsThatFloat32CannotReachAreApproached) {
+  const Shape shape = bar();
+  Poser poser(shape.vertices, shape.triangles, {.method = GetParam()});
+  const Handles handles = at(shape, {50, 74});
+  poser.set_handles(handles);
+  const double far = 1e9;
+  poser.move(handles.positions(shape.vertices).array() + far);
+  EXPECT_FALSE(poser.report().converged);
+  EXPECT_LT(poser.report().furthest_handle, std::sqrt(2.0) * far);
+  EXPECT_EQ(distortion(shape.vertices, poser.positions(), shape.triangles).flipped, 0);
+  // Nor does it stay there.
+  poser.move(handles.positions(shape.vertices));
+  poser.settle();
+  EXPECT_TRUE(poser.report().converged);
+}
+
+TEST_P(Distance, ARestFarFromTheOriginIsPosedAsOneNearIt) {
+  // Coordinates that lose no digits by the way there, so that only the result's are rounded.
+  Shape shape = bar();
+  shape.vertices = (shape.vertices * 1024.0).array().round() / 1024.0;
+  const Handles handles = at(shape, {50, 62, 74});
+  const auto pose = [&](double place) {
+    const Eigen::RowVector2d offset(place, -place);
+    const Points rest = shape.vertices.rowwise() + offset;
+    Poser poser(rest, shape.triangles, {.method = GetParam()});
+    poser.set_handles(handles);
+    EXPECT_EQ(poser.positions(), rest);
+    Points targets = handles.positions(shape.vertices).rowwise() + offset;
+    for (int i = 0; i < 5; ++i) {
+      targets.row(2) += Eigen::RowVector2d(0.0625, 0.125);
+      poser.move(targets);
+    }
+    return Points(poser.positions().rowwise() - offset);
+  };
+  const double place = std::ldexp(1.0, 24);
+  EXPECT_LE(difference(pose(place), pose(0.0)), 0.5 * 2.3e-16 * place);
+}
+
+TEST_P(Distance, OddSizesAndPlacesAreHarmless) {
+  const Shape shape = grid(3);
+  for (const auto& [size, place] : std::vector<std::pair<double, double>>{
+           {1e-300, 0.0}, {1e-300, 1e-290}, {1e300, 0.0}, {1.5e308, 0.0}, {1.0, 1e17}, {1e-150, 1e150}}) {
+    Points rest = (size * shape.vertices).array() + place;
+    rest.col(0).setConstant(place);
+    Poser poser(rest, shape.triangles, {.method = GetParam()});
+    poser.set_handles(at(shape, {0, 8}));
+    EXPECT_EQ(poser.positions(), rest);
+    try {
+      EXPECT_TRUE(poser.move(rest({0, 8}, Eigen::all).reverse()).allFinite()) << size;
+    } catch (const SolveError&) {
+      EXPECT_EQ(poser.positions(), rest);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Distance, ::testing::Values(PoserMethod::hold, PoserMethod::akvf));
+
 TEST(Poser, StiffTrianglesBendLess) {
   const Shape shape = bar();
   Eigen::VectorXd stiffness = Eigen::VectorXd::Ones(240);
