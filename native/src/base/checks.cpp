@@ -2,12 +2,18 @@
 #include "base/checks.h"
 
 #include <cmath>
-#include <limits>
 
 namespace planar {
 
 std::string row_of(const char* name, Eigen::Index row) {
   return std::string(name) + ", row " + std::to_string(row) + ": ";
+}
+
+void require_index(const char* name, Eigen::Index row, const char* kind, Eigen::Index index,
+                   Eigen::Index count) {
+  if (index >= 0 && index < count) return;
+  throw std::invalid_argument(row_of(name, row) + kind + " " + std::to_string(index) +
+                              " is out of range, there are " + std::to_string(count));
 }
 
 void require_rows(const char* name, Eigen::Index rows, Eigen::Index expected, const char* of) {
@@ -41,19 +47,12 @@ void require_mesh(const char* name, const Points& vertices, const Triangles& tri
 }
 
 void require_triangles(Eigen::Index n_vertices, const Triangles& triangles) {
-  if (n_vertices > std::numeric_limits<int>::max() / 32 ||
-      triangles.rows() > std::numeric_limits<int>::max() / 32) {
+  if (n_vertices > most_rows || triangles.rows() > most_rows) {
     throw std::invalid_argument("triangles: a mesh of this size is not supported");
   }
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const auto row = triangles.row(t);
-    for (int c = 0; c < 3; ++c) {
-      if (row[c] < 0 || row[c] >= n_vertices) {
-        throw std::invalid_argument(row_of("triangles", t) + "vertex " + std::to_string(row[c]) +
-                                    " is out of range, the mesh has " + std::to_string(n_vertices) +
-                                    " vertices");
-      }
-    }
+    for (int c = 0; c < 3; ++c) require_index("triangles", t, "vertex", row[c], n_vertices);
     if (row[0] == row[1] || row[1] == row[2] || row[2] == row[0]) {
       throw std::invalid_argument(row_of("triangles", t) + "names a vertex twice");
     }

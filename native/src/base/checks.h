@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "planar/types.h"
@@ -9,6 +10,12 @@
 /// at fault.
 namespace planar {
 
+/// What the indices of a sparse factor can count: some thirty non-zeros a row.
+constexpr Eigen::Index most_rows = std::numeric_limits<int>::max() / 32;
+
+/// 0 <= index < count, the number of things of that `kind`.
+void require_index(const char* name, Eigen::Index row, const char* kind, Eigen::Index index,
+                   Eigen::Index count);
 void require_rows(const char* name, Eigen::Index rows, Eigen::Index expected, const char* of);
 void require_finite(const char* name, const Eigen::Ref<const Points>& values);
 void require_positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>& values);

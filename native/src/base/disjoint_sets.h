@@ -5,6 +5,8 @@
 #include <numeric>
 #include <vector>
 
+#include "base/index.h"
+
 namespace planar {
 
 /// Disjoint sets over 0..n-1 whose representative is the smallest member.
@@ -12,9 +14,9 @@ class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
   int find(int i) {
-    while (parent_[static_cast<std::size_t>(i)] != i) {
-      int& parent = parent_[static_cast<std::size_t>(i)];
-      parent = parent_[static_cast<std::size_t>(parent)];
+    while (parent_[at(i)] != i) {
+      int& parent = parent_[at(i)];
+      parent = parent_[at(parent)];
       i = parent;
     }
     return i;
@@ -23,7 +25,7 @@ class DisjointSets {
   bool join(int a, int b) {
     a = find(a);
     b = find(b);
-    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    parent_[at(std::max(a, b))] = std::min(a, b);
     return a != b;
   }
 

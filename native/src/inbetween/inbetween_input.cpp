@@ -32,13 +32,6 @@ std::string name_of(const std::string& name, const std::vector<Set>& sets, std::
   return sets.size() == 1 ? name : name + "[" + std::to_string(k) + "]";
 }
 
-void require_vertex(const std::string& where, int vertex, const EdgeGraph& graph) {
-  if (vertex >= 0 && vertex < graph.n_vertices) return;
-  throw std::invalid_argument(where + "vertex " + std::to_string(vertex) +
-                              " is out of range, the shape has " + std::to_string(graph.n_vertices) +
-                              " vertices");
-}
-
 }  // namespace
 
 void require_keys(const std::vector<Points>& keys) {
@@ -128,9 +121,9 @@ std::vector<Eigen::VectorXi> anchors_of(const EdgeGraph& graph, const std::vecto
                                         const InbetweenOptions& options) {
   auto anchors = for_transitions("anchor", options.anchors, keys.size() - 1);
   for (std::size_t k = 0; k < anchors.size(); ++k) {
-    for (Eigen::Index i = 0; i < anchors[k].size(); ++i) {
-      require_vertex(row_of(name_of("anchor", options.anchors, k).c_str(), i), anchors[k][i], graph);
-    }
+    const std::string name = name_of("anchor", options.anchors, k);
+    for (Eigen::Index i = 0; i < anchors[k].size(); ++i)
+      require_index(name.c_str(), i, "vertex", anchors[k][i], graph.n_vertices);
   }
   return anchors;
 }
@@ -141,12 +134,13 @@ std::vector<Edges> joints_of(const EdgeGraph& graph, const std::vector<Points>& 
   for (std::size_t k = 0; k < joints.size(); ++k) {
     DisjointSets together(static_cast<std::size_t>(graph.n_parts));
     std::vector<char> carried(static_cast<std::size_t>(graph.n_parts));
+    const std::string name = name_of("joints", options.joints, k);
     for (Eigen::Index i = 0; i < joints[k].rows(); ++i) {
-      const std::string where = row_of(name_of("joints", options.joints, k).c_str(), i);
+      const std::string where = row_of(name.c_str(), i);
       std::array<int, 2> part{};
       for (const int side : {0, 1}) {
         const int vertex = joints[k](i, side);
-        require_vertex(where, vertex, graph);
+        require_index(name.c_str(), i, "vertex", vertex, graph.n_vertices);
         part[static_cast<std::size_t>(side)] = graph.part[static_cast<std::size_t>(vertex)];
         if (graph.part[static_cast<std::size_t>(vertex)] == -1) {
           throw std::invalid_argument(where + "vertex " + std::to_string(vertex) + " belongs to no part");

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/edge_graph.h"
 
-#include <limits>
 #include <string>
 
 #include "base/checks.h"
 #include "base/disjoint_sets.h"
+#include "base/index.h"
 #include "mesh/mesh.h"
 
 namespace planar {
@@ -22,8 +22,7 @@ EdgeGraph::EdgeGraph(Eigen::Index vertex_count, const Triangles& rows)
 
 EdgeGraph::EdgeGraph(Eigen::Index vertex_count, const Edges& rows) : n_vertices(0), n_parts(0) {
   if (rows.rows() == 0) throw std::invalid_argument("edges is empty: a shape needs at least one edge");
-  if (vertex_count > std::numeric_limits<int>::max() / 32 ||
-      rows.rows() > std::numeric_limits<int>::max() / 32) {
+  if (vertex_count > most_rows || rows.rows() > most_rows) {
     throw std::invalid_argument("edges: a shape of this size is not supported");
   }
   n_vertices = static_cast<int>(vertex_count);
@@ -31,23 +30,17 @@ EdgeGraph::EdgeGraph(Eigen::Index vertex_count, const Edges& rows) : n_vertices(
   part.assign(this->vertex_count(), -1);
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const int a = rows(i, 0), b = rows(i, 1);
-    for (const int vertex : {a, b}) {
-      if (vertex < 0 || vertex >= n_vertices) {
-        throw std::invalid_argument(row_of("edges", i) + "vertex " + std::to_string(vertex) +
-                                    " is out of range, the shape has " + std::to_string(n_vertices) +
-                                    " vertices");
-      }
-    }
+    for (const int vertex : {a, b}) require_index("edges", i, "vertex", vertex, n_vertices);
     if (a == b) throw std::invalid_argument(row_of("edges", i) + "names a vertex twice");
     edges.push_back({a, b});
     connected.join(a, b);
-    part[static_cast<std::size_t>(a)] = part[static_cast<std::size_t>(b)] = 0;
+    part[at(a)] = part[at(b)] = 0;
   }
   for (int v = 0; v < n_vertices; ++v) {
-    int& number = part[static_cast<std::size_t>(v)];
+    int& number = part[at(v)];
     if (number == -1) continue;
     const int root = connected.find(v);
-    number = root == v ? n_parts++ : part[static_cast<std::size_t>(root)];
+    number = root == v ? n_parts++ : part[at(root)];
   }
 }
 

@@ -19,11 +19,7 @@ Handles Handles::at_vertices(const Eigen::VectorXi& vertex, Eigen::Index n_verti
   handles.weights.setZero(vertex.size(), 3);
   handles.weights.col(0).setOnes();
   for (Eigen::Index i = 0; i < vertex.size(); ++i) {
-    if (vertex[i] < 0 || vertex[i] >= n_vertices) {
-      throw std::invalid_argument(row_of("handles", i) + "vertex " + std::to_string(vertex[i]) +
-                                  " is out of range, the mesh has " + std::to_string(n_vertices) +
-                                  " vertices");
-    }
+    require_index("handles", i, "vertex", vertex[i], n_vertices);
   }
   return handles;
 }
@@ -36,17 +32,10 @@ Handles Handles::in_triangles(const Eigen::VectorXi& triangle,
   handles.vertices.resize(triangle.size(), 3);
   handles.weights.resize(triangle.size(), 3);
   for (Eigen::Index i = 0; i < triangle.size(); ++i) {
-    if (triangle[i] < 0 || triangle[i] >= triangles.rows()) {
-      throw std::invalid_argument(row_of("handles", i) + "triangle " + std::to_string(triangle[i]) +
-                                  " is out of range, the mesh has " + std::to_string(triangles.rows()) +
-                                  " triangles");
-    }
+    require_index("handles", i, "triangle", triangle[i], triangles.rows());
     handles.vertices.row(i) = triangles.row(triangle[i]);
-    if (handles.vertices.row(i).minCoeff() < 0 || handles.vertices.row(i).maxCoeff() >= n_vertices) {
-      throw std::invalid_argument(row_of("triangles", triangle[i]) +
-                                  "a vertex is out of range, the mesh has " + std::to_string(n_vertices) +
-                                  " vertices");
-    }
+    for (int c = 0; c < 3; ++c)
+      require_index("triangles", triangle[i], "vertex", handles.vertices(i, c), n_vertices);
     const auto weights = barycentric.row(i);
     // Written so that a NaN fails too.
     if (!(weights.minCoeff() >= -barycentric_tolerance &&

@@ -18,7 +18,7 @@ struct UpperNeighbours {
   std::vector<int> first, vertex;
 
   UpperNeighbours(int n_vertices, const Triangles& triangles)
-      : first(at(n_vertices) + 1), vertex(at(3) * at(int(triangles.rows()))) {
+      : first(at(n_vertices) + 1), vertex(at(3) * at(triangles.rows())) {
     const auto for_each_side = [&triangles](auto&& visit) {
       for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
         for (int c = 0; c < 3; ++c) visit(std::minmax(triangles(t, c), triangles(t, (c + 1) % 3)));
@@ -40,7 +40,7 @@ std::vector<std::array<int, 3>> find_braces(int n_vertices, const Triangles& tri
   for (Eigen::Index i = 0; i < triangles.size(); ++i) ++first[at(triangles.data()[i]) + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   // The side opposite to the vertex, for each of its triangles: an edge of the vertex's link.
-  std::vector<std::array<int, 2>> link(at(int(triangles.size())));
+  std::vector<std::array<int, 2>> link(at(triangles.size()));
   std::vector<int> next(first.begin(), first.end() - 1);
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     for (int c = 0; c < 3; ++c) {

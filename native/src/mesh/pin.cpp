@@ -22,11 +22,7 @@ Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
   std::array<std::pair<int, double>, 3> corner;
   for (int c = 0; c < 3; ++c) {
     const int v = handles.vertices(row, c);
-    if (v < 0 || v >= mesh.n_vertices) {
-      throw std::invalid_argument(row_of("handles", row) + "vertex " + std::to_string(v) +
-                                  " is out of range, the mesh has " + std::to_string(mesh.n_vertices) +
-                                  " vertices");
-    }
+    require_index("handles", row, "vertex", v, mesh.n_vertices);
     corner[at(c)] = {v, handles.weights(row, c)};
   }
   if (!(std::abs(handles.weights.row(row).sum() - 1.0) <= same_weights)) {
@@ -63,7 +59,7 @@ std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen
                            const std::vector<char>& patch) {
   require_rows("handles.weights", handles.weights.rows(), handles.size(), "handle");
   std::vector<Pin> points;
-  points.reserve(static_cast<std::size_t>(handles.size()));
+  points.reserve(at(handles.size()));
   for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
     points.push_back(point_of(mesh, handles, row));
     points.back().strength = weights[row];

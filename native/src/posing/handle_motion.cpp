@@ -27,7 +27,7 @@ Complex turning(double a) {
 
 Points velocities_towards(const Points& from, const Points& to, const std::vector<MovingTogether>& sets) {
   Points velocity = to - from;
-  std::vector<char> done(at(static_cast<int>(from.rows())));
+  std::vector<char> done(at(from.rows()));
   std::vector<PointPair> pairs;
   for (const MovingTogether& set : sets) {
     if (set.rows.size() < 2) continue;

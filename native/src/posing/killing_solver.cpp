@@ -234,7 +234,7 @@ void KillingSolver::solve_hard() {
     active.push_back(&pin);
   }
   const auto n_constraints = static_cast<Eigen::Index>(2 * active.size());
-  const auto pin_of = [&active](Eigen::Index k) -> Pin& { return *active[static_cast<std::size_t>(k / 2)]; };
+  const auto pin_of = [&active](Eigen::Index k) -> Pin& { return *active[at(k / 2)]; };
   // Calls visit(row of A, weight) for the entries of a row of C.
   const auto for_entries = [&](Eigen::Index k, const auto& visit) {
     const Pin& pin = pin_of(k);

@@ -7,6 +7,7 @@
 #include <complex>
 
 #include "base/checks.h"
+#include "base/index.h"
 #include "posing/spirals.h"
 
 namespace planar {
@@ -61,14 +62,14 @@ void phi(const double* z_real, const double* z_imag, double t, std::size_t count
 
 Spirals::Spirals(const Mesh& mesh)
     : edges_(mesh.edges),
-      inverse_degree_(static_cast<std::size_t>(mesh.n_vertices)),
+      inverse_degree_(at(mesh.n_vertices)),
       x_(inverse_degree_.size()),
       velocity_(inverse_degree_.size()),
       phi_(inverse_degree_.size()),
       z_real_(edges_.size()),
       z_imag_(edges_.size()) {
   for (const auto& edge : edges_) {
-    for (const int v : edge) inverse_degree_[static_cast<std::size_t>(v)] += 1.0;
+    for (const int v : edge) inverse_degree_[at(v)] += 1.0;
   }
   for (double& degree : inverse_degree_) degree = degree > 0.0 ? 1.0 / degree : 0.0;
 }
@@ -83,7 +84,7 @@ double Spirals::prepare(const Points& x, const Points& velocities) {
   const double shortest = 1e-24 * diagonal;
   double largest = 0.0;
   for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const auto a = static_cast<std::size_t>(edges_[e][0]), b = static_cast<std::size_t>(edges_[e][1]);
+    const auto a = at(edges_[e][0]), b = at(edges_[e][1]);
     const Complex d = x_[a] - x_[b], u = velocity_[a] - velocity_[b];
     const double length = std::norm(d);
     // z = u/d = u·conj(d)/|d|², written out: the library's quotient takes care of ranges that the threshold
@@ -105,7 +106,7 @@ void Spirals::advance(double t, Points& result) {
     phi(&z_real_[first], &z_imag_[first], t, count, t * largest_, real.data(), imag.data());
     for (std::size_t i = 0; i < count; ++i) {
       const Complex f(real[i], imag[i]);
-      for (const int v : edges_[first + i]) phi_[static_cast<std::size_t>(v)] += f;
+      for (const int v : edges_[first + i]) phi_[at(v)] += f;
     }
   }
   result.resize(static_cast<Eigen::Index>(x_.size()), 2);
@@ -117,9 +118,9 @@ void Spirals::advance(double t, Points& result) {
 
 void Spirals::share(const int* corner, Points& result) {
   Complex mean = 0.0;
-  for (int c = 0; c < 3; ++c) mean += phi_[static_cast<std::size_t>(corner[c])] / 3.0;
+  for (int c = 0; c < 3; ++c) mean += phi_[at(corner[c])] / 3.0;
   for (int c = 0; c < 3; ++c) {
-    const auto i = static_cast<std::size_t>(corner[c]);
+    const auto i = at(corner[c]);
     phi_[i] = mean;
     place(i, result);
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/checks.h"
+#include "base/index.h"
 #include "mesh/orientation.h"
 #include "posing/akvf_method.h"
 #include "posing/hold_method.h"
@@ -111,12 +112,12 @@ void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorX
     require_rows("groups", groups.size(), n_handles, "handle");
     for (int row = 0; row < static_cast<int>(n_handles); ++row) pins[groups[row]].push_back(row);
   }
-  set.patch.resize(static_cast<std::size_t>(n_handles));
+  set.patch.resize(at(n_handles));
   for (auto& [label, rows] : pins) {
     if (rows.size() < 2) continue;
     for (const int row : rows) {
       set.strength[row] /= static_cast<double>(rows.size());
-      set.patch[static_cast<std::size_t>(row)] = 1;
+      set.patch[at(row)] = 1;
     }
     set.patches.push_back(std::move(rows));
   }
