@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.h"
 
-#include <pybind11/numpy.h>
-
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -19,6 +18,11 @@ namespace {
 // The factorization counts non-zeros in 32 bits and a vertex brings some thirty of them. The limit also keeps
 // a broadcast array, which costs its maker nothing, from asking for more memory than there is.
 constexpr py::ssize_t kMaxRows = std::numeric_limits<int>::max() / 32;
+
+// In place of a number of columns.
+constexpr int kVector = 0;
+
+using Table = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 [[noreturn]] void refuse(const std::string& name, const std::string& problem) {
   throw std::invalid_argument(name + ": " + problem);
@@ -48,14 +52,15 @@ py::array as_array(const std::string& name, py::handle value) {
   }
 }
 
-// `columns` 1 asks for a vector.
 py::array checked_array(const std::string& name, py::handle value, const char* kinds, const char* wanted,
                         Eigen::Index rows, int columns) {
   py::array array = as_array(name, value);
   if (std::string(kinds).find(array.dtype().kind()) == std::string::npos) {
-    refuse(name, "dtype " + py::str(array.dtype()).cast<std::string>() + ", expected " + wanted);
+    // NumPy makes real numbers of an empty list.
+    refuse(name, (array.size() == 0 ? "empty, of dtype " : "dtype ") +
+                     py::str(array.dtype()).cast<std::string>() + ", expected " + wanted);
   }
-  const bool vector = columns == 1;
+  const bool vector = columns == kVector;
   const bool fits = array.ndim() == (vector ? 1 : 2) && (vector || array.shape(1) == columns) &&
                     (rows == kAnyRows || array.shape(0) == rows);
   if (!fits) {
@@ -82,10 +87,11 @@ std::vector<Number> entries(const py::array& source) {
 template <typename Matrix>
 Matrix to_reals(const std::string& name, py::handle value, Eigen::Index rows, int columns) {
   const py::array array = checked_array(name, value, "fiu", "real numbers", rows, columns);
-  Matrix result(array.shape(0), columns);
+  const int width = std::max(columns, 1);
+  Matrix result(array.shape(0), width);
   Eigen::Index i = 0;
   for (const double entry : entries<double>(array)) {
-    if (!std::isfinite(entry)) refuse_row(name, i / columns, "not a finite number");
+    if (!std::isfinite(entry)) refuse_row(name, i / width, "not a finite number");
     result.data()[i++] = entry;
   }
   return result;
@@ -93,11 +99,12 @@ Matrix to_reals(const std::string& name, py::handle value, Eigen::Index rows, in
 
 template <typename Wide, typename Matrix>
 Matrix narrow(const std::string& name, const py::array& array, int columns) {
-  Matrix result(array.shape(0), columns);
+  const int width = std::max(columns, 1);
+  Matrix result(array.shape(0), width);
   Eigen::Index i = 0;
   for (const Wide entry : entries<Wide>(array)) {
     if (!std::in_range<int>(entry)) {
-      refuse_row(name, i / columns, std::to_string(entry) + " is no index");
+      refuse_row(name, i / width, std::to_string(entry) + " is no index");
     }
     result.data()[i++] = static_cast<int>(entry);
   }
@@ -124,16 +131,73 @@ Edges to_edges(const std::string& name, py::handle value) {
 }
 
 Eigen::VectorXd to_numbers(const std::string& name, py::handle value, Eigen::Index rows) {
-  return value.is_none() ? Eigen::VectorXd() : to_reals<Eigen::VectorXd>(name, value, rows, 1);
+  return value.is_none() ? Eigen::VectorXd() : to_reals<Eigen::VectorXd>(name, value, rows, kVector);
 }
 
 Eigen::VectorXi to_indices(const std::string& name, py::handle value, Eigen::Index rows) {
-  return value.is_none() ? Eigen::VectorXi() : to_integers<Eigen::VectorXi>(name, value, rows, 1);
+  return value.is_none() ? Eigen::VectorXi() : to_integers<Eigen::VectorXi>(name, value, rows, kVector);
+}
+
+int to_whole(const std::string& name, py::handle value) {
+  const auto index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  if (!index) {
+    const py::error_already_set error;
+    if (!error.matches(PyExc_TypeError)) throw error;
+    refuse(name, "not a whole number");
+  }
+  int overflow = 0;
+  const long long result = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
+  if (overflow != 0 || !std::in_range<int>(result)) {
+    refuse(name, py::str(index).cast<std::string>() + " is out of range");
+  }
+  return static_cast<int>(result);
+}
+
+Eigen::MatrixXi to_whole_table(const std::string& name, py::handle value, Eigen::Index rows) {
+  if (value.is_none()) return {};
+  // Looked at once: what an object says of itself may change from one time to the next.
+  const py::array array = as_array(name, value);
+  if (array.ndim() == 0) return Eigen::MatrixXi::Constant(rows, 1, to_whole(name, array));
+  if (array.ndim() == 1) return to_integers<Eigen::VectorXi>(name, array, kAnyRows, kVector);
+  if (array.ndim() == 2 && array.size() > 0 && array.shape(1) <= kMaxRows) {
+    return to_integers<Table>(name, array, kAnyRows, static_cast<int>(array.shape(1)));
+  }
+  refuse(name, "shape " + shape_text(array) + ", expected a whole number, a vector or a table of them");
+}
+
+bool is_sequence(py::handle value) {
+  if (py::isinstance<py::array>(value)) return py::reinterpret_borrow<py::array>(value).ndim() > 0;
+  return py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value);
+}
+
+py::list items_of(py::handle sequence) {
+  // py::list() would take a list as it is.
+  auto items = py::reinterpret_steal<py::list>(PySequence_List(sequence.ptr()));
+  if (!items) throw py::error_already_set();
+  return items;
+}
+
+std::vector<Points> to_shapes(const std::string& name, py::handle value) {
+  if (!is_sequence(value)) refuse(name, "expected an array of shapes, (k, n, 2)");
+  std::vector<Points> shapes;
+  for (const py::handle shape : items_of(value)) {
+    shapes.push_back(to_points(name + "[" + std::to_string(shapes.size()) + "]", shape));
+  }
+  return shapes;
+}
+
+Elements to_elements(py::handle triangles, py::handle edges) {
+  if (triangles.is_none() == edges.is_none()) {
+    throw std::invalid_argument("triangles, edges: give one of the two");
+  }
+  if (!triangles.is_none()) return to_triangles(triangles);
+  return to_edges("edges", edges);
 }
 
 Handles to_handles(py::handle value, const Triangles& triangles, Eigen::Index n_vertices) {
   if (!py::isinstance<py::tuple>(value)) {
-    return Handles::at_vertices(to_integers<Eigen::VectorXi>("handles", value, kAnyRows, 1), n_vertices);
+    return Handles::at_vertices(to_integers<Eigen::VectorXi>("handles", value, kAnyRows, kVector),
+                                n_vertices);
   }
   const auto pair = py::reinterpret_borrow<py::tuple>(value);
   if (pair.size() != 2) {
@@ -141,9 +205,20 @@ Handles to_handles(py::handle value, const Triangles& triangles, Eigen::Index n_
                           ", expected (triangle indices, barycentric weights) or an array of vertex indices");
   }
   using Barycentric = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  const auto triangle = to_integers<Eigen::VectorXi>("handles", pair[0], kAnyRows, 1);
+  const auto triangle = to_integers<Eigen::VectorXi>("handles", pair[0], kAnyRows, kVector);
   const auto weights = to_reals<Barycentric>("barycentric", pair[1], triangle.size(), 3);
   return Handles::in_triangles(triangle, weights, triangles, n_vertices);
+}
+
+py::array_t<double> frames_array(const std::vector<Points>& frames, Eigen::Index n_vertices) {
+  py::array_t<double> array(
+      {static_cast<py::ssize_t>(frames.size()), static_cast<py::ssize_t>(n_vertices), py::ssize_t{2}});
+  double* out = array.mutable_data();
+  for (const Points& frame : frames) {
+    std::memcpy(out, frame.data(), static_cast<std::size_t>(frame.size()) * sizeof(double));
+    out += frame.size();
+  }
+  return array;
 }
 
 }  // namespace planar::python

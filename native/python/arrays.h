@@ -5,12 +5,14 @@
 // a vertex?) are the library's to check.
 #pragma once
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <string>
+#include <variant>
+#include <vector>
 
 #include "planar/handle.h"
-#include "planar/inbetween.h"
 #include "planar/types.h"
 
 namespace planar::python {
@@ -33,7 +35,32 @@ Eigen::VectorXd to_numbers(const std::string& name, pybind11::handle value, Eige
 // `rows` integers; None gives an empty vector.
 Eigen::VectorXi to_indices(const std::string& name, pybind11::handle value, Eigen::Index rows = kAnyRows);
 
+// A whole number: anything with __index__, NumPy's integers among it.
+int to_whole(const std::string& name, pybind11::handle value);
+
+// A whole number for all rows, rows of them, or rows×columns; None gives an empty matrix.
+Eigen::MatrixXi to_whole_table(const std::string& name, pybind11::handle value, Eigen::Index rows);
+
+// Whether Python would iterate over it and it is no text.
+bool is_sequence(pybind11::handle value);
+
+// What a sequence holds, which stays alive with the list, whatever becomes of the sequence.
+pybind11::list items_of(pybind11::handle sequence);
+
+// f×n×2, or a sequence of n×2.
+std::vector<Points> to_shapes(const std::string& name, pybind11::handle value);
+inline Eigen::Index vertices_of(const std::vector<Points>& shapes) {
+  return shapes.empty() ? 0 : shapes[0].rows();
+}
+
+// The one of the two that is not None.
+using Elements = std::variant<Triangles, Edges>;
+Elements to_elements(pybind11::handle triangles, pybind11::handle edges);
+
 // An integer array of k vertices, or a tuple (k triangle indices, k×3 barycentric weights).
 Handles to_handles(pybind11::handle value, const Triangles& triangles, Eigen::Index n_vertices);
+
+// The other way: frames of n_vertices each as f×n×2.
+pybind11::array_t<double> frames_array(const std::vector<Points>& frames, Eigen::Index n_vertices);
 
 }  // namespace planar::python

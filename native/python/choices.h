@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <initializer_list>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace planar::python {
+
+// The choice of that name. Throws std::invalid_argument (ValueError in Python) that lists the names there
+// are.
+template <typename Choice>
+Choice to_choice(const std::string& option, const std::string& name,
+                 std::initializer_list<std::pair<const char*, Choice>> choices) {
+  std::string text = option + ": '" + name + "' is not available; there are";
+  for (const auto& [known, choice] : choices) {
+    if (name == known) return choice;
+    text += std::string(" '") + known + "'";
+  }
+  throw std::invalid_argument(text);
+}
+
+}  // namespace planar::python
