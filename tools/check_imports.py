@@ -27,7 +27,8 @@ MAY_IMPORT = {
     "operators": BLENDER | {"compat", "errors", "native", "model", "scene"},
     "ui": BLENDER | {"compat", "errors", "model", "scene"},
     "batch": BLENDER | {"errors", "native", "scene"},
-    "registration": BLENDER | {"batch", "model", "operators", "scene", "ui"},
+    "events": BLENDER | {"model", "operators", "scene"},
+    "registration": BLENDER | {"batch", "events", "operators", "scene", "ui"},
     "__init__": frozenset(("registration",)),
 }
 # What is in these rooms may import what comes before it there.

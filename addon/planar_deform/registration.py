@@ -8,8 +8,7 @@ from functools import partial
 
 import bpy
 
-from . import batch
-from .model.posing import solver_cache
+from . import batch, events
 from .operators import (
     bake,
     breakdown,
@@ -25,17 +24,13 @@ from .operators import (
     settle,
     stiffness,
 )
-from .operators.modal import long_job, session
-from .scene import follow, properties
-from .scene.storage import digests
-from .scene.view import onion, snapshot
+from .scene import properties
 from .ui.draw import mesh_edges, onion_skin, quality
 from .ui.panels import bake_panel, motion_panel, pins_panel, poses_panel, posing_panel
 from .ui.tool import gizmos, pose_tool
 
-# Each has CLASSES, HANDLERS (of bpy.app.handlers, by name) where it listens to anything, and register() and
-# unregister() where these are not all; those run with the classes in.
-# The last one is undone first: it ends a drag that is on.
+# Each has CLASSES, and register() and unregister() where these are not all; those run with the classes in.
+# The last one is undone first: it ends what is running.
 MODULES = (
     properties,
     pins,
@@ -50,11 +45,8 @@ MODULES = (
     pose_travel,
     motion,
     bake,
+    breakdown,
     batch,
-    digests,
-    follow,
-    snapshot,
-    onion,
     gizmos,
     pose_tool,
     quality,
@@ -65,9 +57,7 @@ MODULES = (
     poses_panel,
     motion_panel,
     bake_panel,
-    session,
-    long_job,
-    breakdown,
+    events,
 )
 
 
@@ -85,10 +75,6 @@ def register() -> None:
                 module.register()
             if hasattr(module, "unregister"):
                 _undo.append(module.unregister)
-            for name, handler in getattr(module, "HANDLERS", {}).items():
-                listeners = getattr(bpy.app.handlers, name)
-                listeners.append(handler)
-                _undo.append(partial(listeners.remove, handler))
     except Exception:
         unregister()
         raise
@@ -98,4 +84,3 @@ def unregister() -> None:
     """Leave nothing behind."""
     while _undo:
         _undo.pop()()
-    solver_cache.clear()

@@ -125,8 +125,8 @@ class Window:
         """Until all that a drag asked for is solved and shown; after a release, until the drag has ended."""
         yield  # the last event is handled by then
         until = time.monotonic() + seconds
-        running = addon("operators.modal.session").running
-        while (session := running()) is not None and (session.released or not session.settled):
+        running, session = addon("operators.modal.running").now, addon("operators.modal.session").Session
+        while isinstance(drag := running(), session) and (drag.released or not drag.settled):
             assert time.monotonic() < until, f"the drawing does not settle within {seconds} s"
             yield
         yield

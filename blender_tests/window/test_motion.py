@@ -47,7 +47,7 @@ def start(window: Window) -> Iterator[None]:
 
 def run():
     """What is under way."""
-    return addon("operators.modal.long_job")._running
+    return addon("operators.modal.running").now()
 
 
 def until(window: Window, met: Callable[[], bool], seconds: float = 120.0) -> Iterator[None]:

@@ -29,7 +29,7 @@ def last() -> bpy.types.Operator:
 
 
 def session():
-    return addon("operators.modal.session").running()
+    return addon("operators.modal.running").now()
 
 
 def flick(window: Window, index: int, dx: float, dz: float, *, steps: int = 2) -> Iterator[None]:

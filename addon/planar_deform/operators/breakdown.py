@@ -7,7 +7,6 @@ import contextlib
 import traceback
 
 import bpy
-from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, FloatProperty
 
 from .. import native
@@ -18,6 +17,7 @@ from ..scene.inbetweens.breakdown import Way
 from ..scene.objects import modifiers
 from ..scene.view import snapshot
 from .keying import key_shown
+from .modal import running
 from .modal.session import PASSED_ON, put_away, put_up
 from .poses import PoseListOperator
 
@@ -26,6 +26,24 @@ KEYS = (
     "E: Overshoot   Digits: Type the Percentage"
 )
 CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
+
+
+class _Sliding:
+    """A breakdown under way in a window."""
+
+    def __init__(self, way: Way):
+        self._way = way
+
+    def give_way(self) -> None:
+        """See running.Run."""
+        with contextlib.suppress(ObjectGone):
+            self._way.restore()
+        self.let_go()
+
+    def let_go(self) -> None:
+        """See running.Run."""
+        snapshot.release()
+        put_away()
 
 
 class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
@@ -62,7 +80,6 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         )
 
     def apply(self, context):
-        abandon()
         try:
             way = Way(context)
             try:
@@ -83,13 +100,12 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     # ---- by mouse and keys
 
     def invoke(self, context, event):
-        global _running
         if context.window is None:  # in background
             return self.execute(context)
         if context.screen.is_animation_playing:
             self.report({"ERROR"}, "A breakdown is of one frame: stop the timeline first")
             return {"CANCELLED"}
-        abandon()
+        running.end()
         try:
             self._way = Way(context)
         except (Refusal, native.SolveError) as error:
@@ -97,7 +113,8 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             return {"CANCELLED"}
         width = WIDTH * context.preferences.system.ui_scale
         self._slider = Slider.begin(self._way.start, event.mouse_x, width, overshoot=self.overshoot)
-        _running = self._way
+        self._sliding = _Sliding(self._way)
+        running.start(self._sliding)
         put_up(context, KEYS, cursor="SCROLL_X")
         result = self._guarded(self._show, context)
         if result == {"RUNNING_MODAL"}:
@@ -105,15 +122,20 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         return result
 
     def modal(self, context, event):
+        if not self._on:
+            return {"CANCELLED"}
         if context.scene.frame_current_final != self._way.frame:
-            _interrupt()  # as any unkeyed pose, it has gone with its frame
-        if _running is not self._way:
-            return self._stop()
+            return self._leave({"CANCELLED"})  # as any unkeyed pose, it has gone with its frame
         return self._guarded(self._handle, context, event)
 
     def cancel(self, context):
         """Blender ends the operator itself: another file is loaded, the window closes."""
         self._stop()
+
+    @property
+    def _on(self) -> bool:
+        """Whether nothing has ended it from outside."""
+        return running.now() is self._sliding
 
     def _handle(self, context, event):
         pressed = event.value == "PRESS"
@@ -158,47 +180,15 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
 
     def _stop(self):
         """End it with everything as it was."""
-        with contextlib.suppress(ObjectGone):
-            if _running is self._way:  # else what it changed is gone already
-                self._way.restore()
-        return self._leave({"CANCELLED"})
+        if self._on:
+            running.end()
+        return {"CANCELLED"}
 
     def _leave(self, result):
-        global _running
-        if _running is self._way:
-            _running = None
-        snapshot.release()
-        put_away()
+        """End it with what is shown."""
+        if self._on:
+            running.let_go()
         return result
-
-
-_running: Way | None = None
-
-
-@persistent
-def _interrupt(*_):
-    """Undo in another window, another file: what is shown goes."""
-    global _running
-    _running = None
-
-
-HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _interrupt)
-
-
-def abandon() -> None:
-    """End the breakdown that is on from outside, with everything as it was."""
-    if _running is not None:
-        with contextlib.suppress(ObjectGone):
-            _running.restore()
-        _interrupt()
-        snapshot.release()
-
-
-def unregister() -> None:
-    """The add-on is turned off, perhaps in the middle of a breakdown."""
-    if _running is not None:
-        abandon()
-        put_away()
 
 
 CLASSES = (PLANAR_OT_breakdown,)

@@ -14,6 +14,7 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 from ..errors import Refusal
 from ..model.input.drag import Drag, Mode, Point
 from ..model.posing.pose_action import Sample, Solved, carried_path
+from .modal import running
 from .modal.plane_mouse import PlaneMouse
 from .modal.pose_drag import SceneAction
 from .modal.session import PASSED_ON, Interactive, Session
@@ -64,6 +65,7 @@ class PinTransform(Interactive):
     letters: StringProperty(default="XY", options=HIDDEN)  # names of the plane's axes, for the redo panel
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        running.end()
         try:
             recorded = unpack_path(self.path)
             path = self.edited(recorded)
@@ -93,6 +95,7 @@ class PinTransform(Interactive):
         if context.region_data is None:
             self.report({"ERROR"}, "Pins are dragged in a 3D view: move the mouse over one")
             return {"CANCELLED"}
+        running.end()
         pressed = self.pin >= 0
         self.extend = pressed and event.shift
         try:

@@ -12,6 +12,7 @@ from ..errors import Refusal
 from ..scene.objects import modifiers
 from ..scene.objects.any_object import shape_refusal
 from ..scene.objects.cutout_object import pose_refusal
+from .modal import running
 
 
 class Refusing:
@@ -33,12 +34,16 @@ class Refusing:
 
 
 class PosingOperator(Refusing):
-    """Works on a mesh that can be posed; every refusal is a report, and changes nothing."""
+    """Works on a mesh that can be posed; every refusal is a report, and changes nothing.
+
+    It ends what is running, see modal/running.py.
+    """
 
     bl_options = {"REGISTER", "UNDO"}
     report: Callable[[set[str], str], None]  # of Blender's operators
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        running.end()
         try:
             self.apply(context)
         except Refusal as refusal:

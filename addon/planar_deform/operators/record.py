@@ -19,6 +19,7 @@ from ..scene.sequence import pose_state
 from ..scene.view import snapshot
 from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, pack_path, unpack_path
+from .modal import running
 from .modal.plane_mouse import PlaneMouse
 from .modal.pose_drag import SceneAction
 from .modal.session import PASSED_ON, Interactive, Session, put_away, put_up
@@ -26,6 +27,40 @@ from .posing_operator import Refusing
 
 WAITING = "Drag a Pin, or Anywhere for the Selected Pins: Record   Esc or RMB: Cancel"
 RECORDING = "Release or Enter: Keep the Motion   Esc or RMB: Discard   Shift: Precise   Ctrl: Snap"
+
+
+class _Waiting:
+    """Record, until a pin is pressed."""
+
+    def give_way(self) -> None:
+        """See running.Run."""
+        put_away()
+
+    def let_go(self) -> None:
+        """See running.Run."""
+        put_away()
+
+    def conclude(self) -> None:
+        """Record is pressed once more."""
+        running.end()
+
+
+class _Take(Session):
+    """A recording under way."""
+
+    def __init__(self, context: bpy.types.Context, action: SceneAction):
+        super().__init__(context, action, RECORDING)
+        self.frame = context.scene.frame_current  # of its first pose
+        self.concluded = False
+
+    def take_back(self) -> None:
+        super().take_back()
+        with contextlib.suppress(AttributeError):  # there may be no scene any more
+            bpy.context.scene.frame_set(self.frame)
+
+    def conclude(self) -> None:
+        """Record is pressed once more: the motion is complete."""
+        self.concluded = True
 
 
 class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
@@ -58,6 +93,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         return super().refusal(context) or pose_state.refusal(context.object)
 
     def execute(self, context):
+        running.end()
         if not self.properties.is_property_set("frame"):
             self.frame = context.scene.frame_current
         before = context.scene.frame_current
@@ -80,8 +116,14 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if not regions(context.area):
             self.report({"ERROR"}, "Pins are recorded in a 3D view: start it there")
             return {"CANCELLED"}
-        self._session: Session | None = None
+        run = running.now()
+        if isinstance(run, _Waiting | _Take):
+            run.conclude()
+            return {"CANCELLED"}
+        self._session: _Take | None = None
         self._poses: Poses | None = None
+        self._waiting = _Waiting()
+        running.start(self._waiting)
         put_up(context, WAITING)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -91,10 +133,12 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     def _wait(self, context, event):
         """Until a pin is pressed."""
+        if running.now() is not self._waiting:
+            return {"CANCELLED"}
         if event.value != "PRESS":
             return {"PASS_THROUGH"}
         if event.type in {"ESC", "RIGHTMOUSE"}:
-            put_away()
+            running.end()
             return {"CANCELLED"}
         self._region = _region_under(context.area, event)
         if event.type != "LEFTMOUSE" or self._region is None:
@@ -102,7 +146,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         try:
             self._start(context, event)
         except Refusal as refusal:
-            put_away()
+            running.end()
             self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
         return {"RUNNING_MODAL"}
@@ -120,11 +164,11 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         except Refusal:
             action.cancel()
             raise
-        self._session = Session(context, action, RECORDING)
-        self._recording = Recording()
         if context.screen.is_animation_playing:
             bpy.ops.screen.animation_cancel(restore_frame=False)
-        self.frame = context.scene.frame_current
+        self._session = _Take(context, action)
+        self._recording = Recording()
+        self.frame = self._session.frame
         self._fps = context.scene.render.fps / context.scene.render.fps_base
         self._began = time.perf_counter()
 
@@ -134,7 +178,8 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             return self.stop()
         if self._poses is not None:
             return self._solve(context, event)
-        if (event.type == "LEFTMOUSE" and event.value == "RELEASE") or (event.type == "RET" and pressed):
+        let_go = event.type == "LEFTMOUSE" and event.value == "RELEASE"
+        if let_go or (event.type == "RET" and pressed) or self._session.concluded:
             return self._end()
         if event.type == "TIMER":
             self._play(context)
@@ -204,17 +249,11 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         solved = poses.last
         pin_list.store_results(context.object, begin(context), solved.results)
 
-    def stop(self):
-        result = super().stop()
-        with contextlib.suppress(AttributeError):  # there may be no scene any more
-            bpy.context.scene.frame_set(self.frame)
-        return result
-
     def cancel(self, context):
-        if self._session is None:
-            put_away()
-        else:
+        if self._session is not None:
             super().cancel(context)
+        elif running.now() is self._waiting:
+            running.end()
 
     def keep_result(self, solved: Solved) -> None:
         pass  # the path is kept when it has been recorded

@@ -7,6 +7,7 @@ import bpy
 
 from ..errors import Refusal
 from ..model.posing.pose_action import Sample, Solved
+from .modal import running
 from .modal.pose_drag import SceneAction
 from .modal.session import Interactive, Session
 from .posing_operator import PosingOperator
@@ -25,6 +26,7 @@ class PLANAR_OT_settle_pose(Interactive, PosingOperator, bpy.types.Operator):
         SceneAction(context, settling=True).run([STILL], settle=True)
 
     def invoke(self, context, event):
+        running.end()
         try:
             action = SceneAction(context, settling=True)
         except Refusal as refusal:

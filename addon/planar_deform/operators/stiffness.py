@@ -11,7 +11,6 @@ from __future__ import annotations
 from functools import partial
 
 import bpy
-from bpy.app.handlers import persistent
 
 from .. import compat, native
 from ..errors import ObjectGone, Refusal
@@ -22,6 +21,7 @@ from ..model.posing.solving import Solving, StoppedError
 from ..scene.objects import stiffness
 from ..scene.objects.cutout_object import begin, read_cutout
 from ..scene.pins import pin_list
+from .modal import running
 from .posing_operator import PosingOperator
 
 SOON = 0.05  # seconds from a change to a look at it, and between looks while a stroke is on
@@ -81,46 +81,50 @@ class _Settling:
             return True
         return False
 
-    def stop(self) -> None:
-        """Leave it as it is shown."""
+    def give_way(self) -> None:
+        """See running.Run. Leave it as it is shown."""
+        self._solving.stop()
+
+    def let_go(self) -> None:
+        """See running.Run."""
         self._solving.stop()
 
 
 _painted: int | None = None  # the object that was seen in Weight Paint last
-_settling: _Settling | None = None
 
 
 def _active() -> bpy.types.Object | None:
     """The object whose stiffness is being painted, or was up to now."""
     obj = bpy.context.view_layer.objects.active
-    if obj is None or obj.type != "MESH" or not obj.planar.stiffness_group:
+    if obj is None or obj.type != "MESH":
         return None
     left = obj.mode == "OBJECT" and obj.session_uid == _painted
-    return obj if obj.mode == "WEIGHT_PAINT" or left else None
+    return obj if (obj.mode == "WEIGHT_PAINT" or left) and obj.planar.stiffness_group else None
 
 
 def _look() -> float | None:
     """Let the pose settle where it has not been solved with what is painted; seconds to the next look."""
-    global _painted, _settling
+    global _painted
     obj = _active()
-    running = (
+    settling = _settling()
+    under_way = (
         operator.bl_idname
         for window in bpy.context.window_manager.windows
         for operator in window.modal_operators
     )
-    if obj is not None and any(name.startswith(UNDER_WAY) for name in running):
+    if obj is not None and any(name.startswith(UNDER_WAY) for name in under_way):
         _stop()
         return SOON
     try:
         if obj is None:
             return _stop()
         _painted = obj.session_uid
-        if _settling is None and not _changed(obj):
+        if settling is None and not _changed(obj):
             _painted = obj.session_uid if obj.mode == "WEIGHT_PAINT" else None
             return None
-        if _settling is None:
-            _settling = _Settling(obj)
-        elif _settling.show():
+        if settling is None:
+            running.start(_Settling(obj))
+        elif settling.show():
             _stop()
             if obj.mode == "OBJECT":
                 bpy.ops.ed.undo_push(message="Settle Pose")
@@ -141,48 +145,40 @@ def _changed(obj: bpy.types.Object) -> bool:
     return obj.planar.solved_stiffness != now
 
 
+def _settling() -> _Settling | None:
+    run = running.now()
+    return run if isinstance(run, _Settling) else None
+
+
 def _stop() -> None:
-    global _settling
-    if _settling is not None:
-        _settling.stop()
-    _settling = None
+    if _settling() is not None:
+        running.end()
 
 
-@persistent
-def _on_change(*_) -> None:
+def changed() -> None:
+    """Something was evaluated anew: look soon whether that was the stiffness."""
     # In background no timer ever runs, and the bpy module crashes at exit if one has been registered.
     if bpy.app.background or _active() is None or bpy.app.timers.is_registered(_look):
         return
     bpy.app.timers.register(_look, first_interval=SOON)
 
 
-@persistent
-def _on_undo(*_) -> None:
+def undone() -> None:
     """What is undone to in Object Mode is what was there."""
-    global _painted
-    _painted = None
-    _stop()
-    _on_change()
+    forget()
+    changed()
 
 
-@persistent
-def _on_load(*_) -> None:
+def forget() -> None:
+    """What was painted is another file's, or is no more."""
     global _painted
     _painted = None
-    _stop()
 
 
 CLASSES = (PLANAR_OT_paint_stiffness,)
-HANDLERS = {
-    "depsgraph_update_post": _on_change,
-    "undo_post": _on_undo,
-    "redo_post": _on_undo,
-    "load_pre": _on_load,
-}
 
 
 def unregister() -> None:
-    """Settle nothing any more."""
+    """Look at nothing any more."""
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
-    _on_load()

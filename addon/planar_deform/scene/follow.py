@@ -4,30 +4,22 @@
 from __future__ import annotations
 
 import bpy
-from bpy.app.handlers import persistent
 
-from ..model.posing import solver_cache
 from .pins.pin_list import sync
 from .sequence import pose_edit, pose_state
 
-CLASSES = ()
+
+def match_groups(obj: bpy.types.Object) -> None:
+    """After an update of an object: its pins and its stiffness follow its vertex groups."""
+    if obj.type != "MESH" or not obj.is_property_set("planar"):  # which the first look at it sets
+        return
+    if not obj.planar.pins and not obj.planar.stiffness_group:
+        return
+    if obj.library is None and obj.mode in {"OBJECT", "WEIGHT_PAINT"}:
+        sync(obj)
 
 
-@persistent
-def follow_edits(scene, depsgraph):
-    """After each update: pins and stiffness follow the groups of their object."""
-    for update in depsgraph.updates:
-        obj = update.id.original
-        if not isinstance(obj, bpy.types.Object) or obj.type != "MESH":
-            continue
-        if not obj.planar.pins and not obj.planar.stiffness_group:
-            continue
-        if obj.library is None and obj.mode in {"OBJECT", "WEIGHT_PAINT"}:
-            sync(obj)
-
-
-@persistent
-def activate_shown_pose(scene, depsgraph):
+def activate_shown_pose(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """After the frame has changed: the pose keyed there becomes the active one, which Edit Mode edits.
 
     Not while frames pass by, in playback and in renders.
@@ -49,16 +41,3 @@ def activate_shown_pose(scene, depsgraph):
         pose = pose_state.pose_at(obj, scene.frame_current_final)
         if pose is not None and pose != obj.planar.active_pose:
             pose_edit.activate(obj, pose)
-
-
-@persistent
-def forget_solvers(*_):
-    """Another file: its objects are others, whatever their identities."""
-    solver_cache.clear()
-
-
-HANDLERS = {
-    "depsgraph_update_post": follow_edits,
-    "frame_change_post": activate_shown_pose,
-    "load_pre": forget_solvers,
-}

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
-from bpy.app.handlers import persistent
 
 from ... import native
 from ...errors import ObjectGone, Refusal
 from ...model.work import Progress, Work
 from ..posing_operator import ShapeOperator
+from . import running
 from .session import PASSED_ON
 
 RATE = 1 / 60  # seconds between two looks
@@ -87,8 +87,14 @@ class LongRun:
         if self._writing is not None:
             self._writing.close()
 
+    def give_way(self) -> None:
+        """See running.Run."""
+        self.stop()
+        _status(None)
 
-_running: LongRun | None = None
+    def let_go(self) -> None:
+        """See running.Run. Ended, what writes puts everything back, as long as it is there."""
+        self.give_way()
 
 
 class LongOperator(ShapeOperator):
@@ -109,15 +115,15 @@ class LongOperator(ShapeOperator):
         self._tell(run)
 
     def invoke(self, context, event):
-        global _running
         if context.window is None:  # in background
             return self.execute(context)
-        _abandon()
+        running.end()
         try:
-            self._run = _running = LongRun(self.job(context))
+            self._run = LongRun(self.job(context))
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
+        running.start(self._run)
         self._timer = None
         result = self._look(INSTANT, INSTANT)
         if result == {"RUNNING_MODAL"}:
@@ -161,15 +167,13 @@ class LongOperator(ShapeOperator):
 
     def _end(self, result: set[str]) -> set[str]:
         """End it in any way; nothing is left of it but what was written completely."""
-        global _running
-        self._run.stop()
-        if _running is self._run:
-            _running = None
+        if not self._run.stopped:
+            self._run.give_way()
+        running.ended(self._run)
         if self._timer is not None:
             bpy.context.window_manager.event_timer_remove(self._timer)
             self._timer = None
         self._run = None  # Blender keeps operators that are done, and this has all that was solved
-        _status(None)
         return result
 
 
@@ -177,23 +181,3 @@ def _status(text: str | None) -> None:
     window = bpy.context.window or bpy.context.window_manager.windows[0]
     if window.workspace is not None:
         window.workspace.status_text_set(text)
-
-
-@persistent
-def _abandon(*_):
-    """Another job, undo in another window, another file: end it now, while its data are there."""
-    global _running
-    run, _running = _running, None
-    if run is not None:
-        run.stop()
-
-
-CLASSES = ()
-HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _abandon)
-
-
-def unregister() -> None:
-    """The add-on is turned off, perhaps in the middle of a job, or Blender is closed."""
-    if _running is not None:
-        _abandon()
-        _status(None)

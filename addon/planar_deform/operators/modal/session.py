@@ -12,14 +12,13 @@ import traceback
 from collections.abc import Callable
 
 import bpy
-from bpy.app.handlers import persistent
 
 from ... import native
 from ...errors import ObjectGone, Refusal
-from ...model.posing import solving
 from ...model.posing.pose_action import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
 from ...scene.view import snapshot
+from . import running
 from .pose_drag import SceneAction
 
 RATE = 1 / 120  # seconds between two looks at what the thread has solved
@@ -36,15 +35,15 @@ class Session:
 
     def __init__(self, context: bpy.types.Context, action: SceneAction, keys: str):
         """`keys` says in the status bar what the user can press."""
-        global _running
         self.action = action
         self.shown: Solved | None = None
         self.released = False
+        self.ended = False
         self._solving: Solving | None = None
         self._complete = False  # the last thing asked for is a way that must be gone to its end
         self._timer = context.window_manager.event_timer_add(RATE, window=context.window)
+        running.start(self)
         put_up(context, keys)
-        _running = self
 
     def ask(self, sample: Sample) -> None:
         """Go to a sample, without those asked for before if there is no time for them."""
@@ -99,38 +98,40 @@ class Session:
 
     def end(self) -> None:
         """Nothing more is solved or shown."""
-        global _running
+        if self.ended:
+            return
+        self.ended = True
+        running.ended(self)
         if self._solving is not None:
             self._solving.stop()
-        if _running is self:
-            _running = None
-        if self._timer is not None:
-            bpy.context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
+        bpy.context.window_manager.event_timer_remove(self._timer)
         snapshot.release()
         put_away()
 
-    def abandon(self) -> None:
-        """End it from outside: taken back, unless it has been released."""
-        solving.halt()
+    def take_back(self) -> None:
+        """End it with everything as it was."""
         self.end()
-        if not self.released:
-            with contextlib.suppress(ObjectGone):
-                self.action.cancel()
+        with contextlib.suppress(ObjectGone):  # then there is nothing to put back
+            self.action.cancel()
+
+    def give_way(self) -> None:
+        """See running.Run."""
+        if not self.released or self.shown is None:
+            self.take_back()
+            return
+        self.end()
+        with contextlib.suppress(ObjectGone):
+            self.action.finish(self.shown)
+
+    def let_go(self) -> None:
+        """See running.Run."""
+        self.end()
 
     @property
     def _thread(self) -> Solving:
         if self._solving is None:
             self._solving = Solving(self.action.pose)
         return self._solving
-
-
-_running: Session | None = None
-
-
-def running() -> Session | None:
-    """The session that is on."""
-    return _running
 
 
 def put_up(context: bpy.types.Context, keys: str, cursor: str = "SCROLL_XY") -> None:
@@ -149,9 +150,6 @@ def put_away() -> None:
         area.header_text_set(None)
 
 
-CLASSES = ()
-
-
 class Interactive:
     """Modal part of an operator with a Session in `_session`.
 
@@ -160,6 +158,25 @@ class Interactive:
     """
 
     def modal(self, context, event):
+        if self._session.ended:
+            return {"CANCELLED"}
+        try:
+            return self._go_on(context, event)
+        except Exception as error:  # Blender would call again and again; nothing may be left half done
+            traceback.print_exc()
+            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+        try:
+            self._session.take_back()
+        except Exception:
+            traceback.print_exc()
+        return {"CANCELLED"}
+
+    def cancel(self, context):
+        """Blender ends the operator itself: another file is loaded, the window closes."""
+        self.stop()
+
+    def _go_on(self, context, event):
+        """What an event does, and what is to be expected to go wrong then."""
         session = self._session
         try:
             if not session.action.scene.resolve().visible_get():
@@ -184,14 +201,6 @@ class Interactive:
         except native.SolveError as error:
             self.report({"ERROR"}, str(error))
             return self.stop()
-        except Exception as error:  # Blender would call again and again; nothing may be left half done
-            traceback.print_exc()
-            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
-            return self.stop()
-
-    def cancel(self, context):
-        """Blender ends the operator itself: another file is loaded, the window closes."""
-        self.stop()
 
     def release(self):
         """The user is done: let the drawing settle."""
@@ -201,12 +210,12 @@ class Interactive:
     def stop(self):
         """End it early: taken back, unless it has been released."""
         session = self._session
+        if session.ended:
+            return {"CANCELLED"}
         if session.released and session.shown is not None:
             with contextlib.suppress(ObjectGone):
                 return self.finish()
-        self.leave()
-        with contextlib.suppress(ObjectGone):  # then there is nothing to put back
-            session.action.cancel()
+        session.take_back()
         return {"CANCELLED"}
 
     def finish(self):
@@ -220,18 +229,3 @@ class Interactive:
     def leave(self):
         """End it, whatever is shown."""
         self._session.end()
-
-
-@persistent
-def _interrupt(*_):
-    """Undo in another window, another file: what is solved belongs to data that go."""
-    solving.interrupt()
-
-
-HANDLERS = dict.fromkeys(("undo_pre", "redo_pre", "load_pre"), _interrupt)
-
-
-def unregister() -> None:
-    """The add-on is turned off, perhaps in the middle of a drag."""
-    if _running is not None:
-        _running.abandon()

@@ -54,6 +54,11 @@ def faces_of(mesh: bpy.types.Mesh, rest: np.ndarray) -> Faces:
     return _kept[digest]
 
 
+def forget() -> None:
+    """Keep none."""
+    _kept.clear()
+
+
 def _faces(triangles: Indices) -> Faces:
     vertices, compact = np.unique(triangles, return_inverse=True)
     compact = compact.reshape(-1, 3).astype(np.int32)

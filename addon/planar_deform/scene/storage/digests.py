@@ -7,9 +7,6 @@ import hashlib
 from collections.abc import Callable
 
 import bpy
-from bpy.app.handlers import persistent
-
-CLASSES = ()
 
 _known: dict[tuple[int, float], str] = {}  # by the object's session_uid and the shape key's place
 
@@ -27,20 +24,6 @@ def digest(data: bytes) -> str:
     return hashlib.blake2b(data, digest_size=12).hexdigest()
 
 
-@persistent
-def forget(*_):
-    """Anything may have changed."""
+def forget() -> None:
+    """Any shape may have changed."""
     _known.clear()
-
-
-@persistent
-def _forget_changed(_scene, depsgraph):
-    shapes = bpy.types.Mesh, bpy.types.Curve, bpy.types.Key
-    if any(isinstance(update.id, shapes) for update in depsgraph.updates):
-        forget()
-
-
-HANDLERS = {
-    "depsgraph_update_post": _forget_changed,
-    **dict.fromkeys(("undo_post", "redo_post", "load_post"), forget),
-}

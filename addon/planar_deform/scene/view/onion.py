@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from bpy.app.handlers import persistent
 
 from ...errors import Refusal
 from ...model.plane.frame import Indices
@@ -21,8 +20,6 @@ from ..sequence.neighbours import KeyedPose, around
 from ..sequence.pose_blocks import block_at
 from ..storage import points
 from . import snapshot
-
-CLASSES = ()
 
 MODES = ("OBJECT", "EDIT_MESH", "EDIT_CURVE")  # outlines without faces are posed in Edit Mode
 
@@ -91,35 +88,13 @@ def _shape(obj: bpy.types.Object, pose: KeyedPose | None) -> np.ndarray | None:
     return None if block is None else np.ascontiguousarray(points.read_block(obj, block)[:, :3])
 
 
-@persistent
-def _on_update(_scene, depsgraph):
-    if any(
-        update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh | bpy.types.Curve | bpy.types.Key)
-        for update in depsgraph.updates
-    ):
-        _on_change()
-
-
-@persistent
-def _on_change(*_):
+def changed() -> None:
+    """Shapes may have changed."""
     global _changed
     _changed = True
 
 
-@persistent
-def _on_load(*_):
-    unregister()
-
-
-HANDLERS = {
-    "depsgraph_update_post": _on_update,
-    "undo_post": _on_change,
-    "redo_post": _on_change,
-    "load_pre": _on_load,
-}
-
-
-def unregister() -> None:
+def forget() -> None:
     """Keep nothing."""
-    global _kept
-    _kept = None
+    global _kept, _changed
+    _kept, _changed = None, False

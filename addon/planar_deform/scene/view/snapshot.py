@@ -13,7 +13,6 @@ from functools import cached_property
 
 import bpy
 import numpy as np
-from bpy.app.handlers import persistent
 
 from ... import native
 from ...errors import Refusal
@@ -22,8 +21,6 @@ from ...model.posing.pins import Holder
 from ...model.posing.pose_action import PinResult
 from ..objects.cutout_object import SceneCutout, read_cutout
 from ..pins.pin_list import model_pins
-
-CLASSES = ()
 
 
 @dataclass(frozen=True)
@@ -106,6 +103,12 @@ def release() -> None:
     forget()
 
 
+def changed() -> None:
+    """What is shown may be another one; a drag tells that itself."""
+    if _followed is None:
+        forget()
+
+
 def forget() -> None:
     """Read again when it is next asked for."""
     global _kept
@@ -162,37 +165,3 @@ def _snapshot(scene: SceneCutout, positions: Array, results: Iterable[PinResult]
         cutout.triangles,
         native.distortion(cutout.rest, positions, cutout.triangles),
     )
-
-
-@persistent
-def _on_update(_scene, depsgraph):
-    if _kept is not None and any(
-        isinstance(update.id, bpy.types.Object | bpy.types.Mesh | bpy.types.Key)
-        for update in depsgraph.updates
-    ):
-        _on_change()
-
-
-@persistent
-def _on_change(*_):
-    if _followed is None:
-        forget()
-
-
-@persistent
-def _on_load(*_):
-    release()
-
-
-HANDLERS = {
-    "depsgraph_update_post": _on_update,
-    "frame_change_post": _on_change,
-    "undo_post": _on_change,
-    "redo_post": _on_change,
-    "load_pre": _on_load,
-}
-
-
-def unregister() -> None:
-    """Keep nothing."""
-    release()

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender tells: one handler for each of its events, and all that is done then, in order."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+from .model.posing import solver_cache, solving
+from .operators import stiffness
+from .operators.modal import running
+from .scene import follow
+from .scene.objects import triangulation
+from .scene.storage import digests
+from .scene.view import onion, snapshot
+
+CLASSES = ()
+
+SHAPES = bpy.types.Mesh | bpy.types.Curve | bpy.types.Key
+
+
+@persistent
+def _on_update(_scene, depsgraph) -> None:
+    """Blender has evaluated something anew.
+
+    Called for every movement of anything, so nothing is asked of an object that has only moved.
+    """
+    changed = []  # objects of which more than the transform may be another one
+    touched = shapes = reshaped = False
+    for update in depsgraph.updates:
+        thing = update.id
+        if isinstance(thing, bpy.types.Object):
+            touched = True
+            if update.is_updated_geometry or update.is_updated_shading:
+                changed.append(thing.original)
+        elif isinstance(thing, SHAPES):
+            shapes = True
+            reshaped = reshaped or update.is_updated_geometry
+    if shapes:
+        digests.forget()
+    if touched or shapes:
+        snapshot.changed()
+    if reshaped:
+        onion.changed()
+    for obj in changed:
+        follow.match_groups(obj)
+    stiffness.changed()
+
+
+@persistent
+def _on_frame_change(scene, depsgraph) -> None:
+    snapshot.changed()
+    follow.activate_shown_pose(scene, depsgraph)
+
+
+@persistent
+def _before_undo(*_) -> None:
+    running.let_go()
+
+
+@persistent
+def _after_undo(*_) -> None:
+    digests.forget()
+    snapshot.changed()
+    onion.changed()
+    stiffness.undone()
+
+
+@persistent
+def _before_load(*_) -> None:
+    running.let_go()
+    reset_all()
+
+
+def reset_all() -> None:
+    """Keep nothing of the file: its objects go, and others may get their names and identities."""
+    solving.halt()
+    solver_cache.clear()
+    triangulation.forget()
+    digests.forget()
+    snapshot.release()
+    onion.forget()
+    stiffness.forget()
+
+
+HANDLERS = {
+    "depsgraph_update_post": _on_update,
+    "frame_change_post": _on_frame_change,
+    "undo_pre": _before_undo,
+    "redo_pre": _before_undo,
+    "undo_post": _after_undo,
+    "redo_post": _after_undo,
+    "load_pre": _before_load,
+}
+
+
+def register() -> None:
+    """Listen from now on."""
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    """Listen no more, end what runs, perhaps in the middle of a drag, and keep nothing."""
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)
+    running.end()
+    reset_all()
