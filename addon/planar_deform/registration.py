@@ -81,6 +81,12 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Leave nothing behind."""
+    """Leave nothing behind: goes on after a failure, and tells of all in the end."""
+    errors = []
     while _undo:
-        _undo.pop()()
+        try:
+            _undo.pop()()
+        except Exception as error:
+            errors.append(error)
+    if errors:
+        raise ExceptionGroup("Not all of the add-on could be turned off", errors)

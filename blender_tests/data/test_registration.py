@@ -58,6 +58,42 @@ def test_an_error_while_registering_undoes_the_rest_and_is_passed_on(monkeypatch
     planar_deform.register()
 
 
+@pytest.mark.usefixtures("_registered_again")
+def test_unregistering_goes_on_after_failures_and_tells_of_all(monkeypatch):
+    import planar_deform
+    from planar_deform import events
+    from planar_deform.operators.modal import running
+    from planar_deform.ui.draw import quality
+
+    planar_deform.unregister()
+    done = quality.unregister
+
+    def fail():
+        done()
+        raise RuntimeError("no overlay")
+
+    class Broken:
+        def give_way(self):
+            raise RuntimeError("no way")
+
+        def let_go(self):
+            raise RuntimeError("no way")
+
+    monkeypatch.setattr(quality, "unregister", fail)
+    planar_deform.register()
+    running.start(Broken())
+    with pytest.raises(ExceptionGroup) as raised:
+        planar_deform.unregister()
+    assert [str(error) for error in raised.value.exceptions] == ["no way", "no overlay"]
+    assert registered() == (set(), [])
+    assert running.now() is None
+    assert not any(handler in getattr(bpy.app.handlers, name) for name, handler in events.HANDLERS.items())
+    assert not hasattr(bpy.types.Object, "planar")
+    assert not hasattr(bpy.types.Mesh, "planar_version")
+    monkeypatch.undo()
+    planar_deform.register()
+
+
 def test_every_operator_has_a_description_and_a_tidy_label():
     for name in dir(bpy.ops.planar):
         rna = getattr(bpy.ops.planar, name).get_rna_type()
