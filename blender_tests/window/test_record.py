@@ -155,3 +155,33 @@ def test_a_click_and_a_press_beside_the_view_record_nothing(window: Window) -> I
     yield from window.press("RIGHTMOUSE")
     yield from window.release("RIGHTMOUSE")
     assert window.busy == []
+
+
+def test_the_button_pressed_twice_starts_nothing_unseen(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    before = shape()
+    yield from window.sidebar()
+    yield from window.push("planar.record_pins")
+    assert window.busy == ["PLANAR_OT_record_pins"]
+    yield from window.push("planar.record_pins")
+    yield from window.move((window.mouse[0] - 1, window.mouse[1]))
+    assert window.busy == []
+    assert addon("operators.modal.running").now() is None
+    yield from window.drag(window.pixel((0.0, 0.0, -1.8)), window.pixel((0.5, 0.0, -1.8)))
+    yield from window.wait(0.2)
+    assert window.busy == []
+    assert active().data.shape_keys is None, "a drag off the pins records nothing"
+    assert np.array_equal(shape(), before)
+
+
+def test_started_again_while_it_records_it_keeps_the_motion(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from start(window)
+    yield from up_and_on(window, 5)
+    with window.context():
+        assert bpy.ops.planar.record_pins("INVOKE_DEFAULT") == {"CANCELLED"}
+    yield from done(window)
+    yield from window.release()
+    assert len(keyed_frames()) >= 6
+    assert window.busy == []
+    assert addon("operators.modal.running").now() is None
