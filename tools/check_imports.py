@@ -27,7 +27,7 @@ MAY_IMPORT = {
     "operators": BLENDER | {"compat", "errors", "native", "model", "scene"},
     "ui": BLENDER | {"compat", "errors", "model", "scene"},
     "batch": BLENDER | {"errors", "native", "scene"},
-    "events": BLENDER | {"model", "operators", "scene"},
+    "events": BLENDER | {"compat", "model", "operators", "scene"},
     "registration": BLENDER | {"batch", "events", "operators", "scene", "ui"},
     "__init__": frozenset(("registration",)),
 }

@@ -8,6 +8,9 @@ import bpy
 # Of a property that is a path and may begin with "//", relative to the .blend.
 BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 
+# The handlers of bpy.app that are called when something has been appended or linked; 4.2 has none.
+AFTER_IMPORT = ("blend_import_post",) if hasattr(bpy.app.handlers, "blend_import_post") else ()
+
 
 def curves_of(animation: bpy.types.AnimData | None) -> bpy.types.bpy_prop_collection | None:
     """The F-curves of a data-block's action; None when it has none.

@@ -6,12 +6,13 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
+from . import compat
 from .model.posing import solver_cache, solving
 from .operators import stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.objects import triangulation
-from .scene.storage import digests
+from .scene.storage import digests, migration
 from .scene.view import onion, snapshot
 
 CLASSES = ()
@@ -72,6 +73,12 @@ def _before_load(*_) -> None:
     reset_all()
 
 
+@persistent
+def _on_new_data(*_) -> None:
+    """A file is loaded, something appended; or what is to be saved may have become local since."""
+    migration.migrate_all()
+
+
 def reset_all() -> None:
     """Keep nothing of the file: its objects go, and others may get their names and identities."""
     solving.halt()
@@ -91,6 +98,7 @@ HANDLERS = {
     "undo_post": _after_undo,
     "redo_post": _after_undo,
     "load_pre": _before_load,
+    **dict.fromkeys(("load_post", "save_pre", *compat.AFTER_IMPORT), _on_new_data),
 }
 
 
@@ -104,5 +112,7 @@ def unregister() -> None:
     """Listen no more, end what runs, perhaps in the middle of a drag, and keep nothing."""
     for name, handler in HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)
-    running.end()
-    reset_all()
+    try:
+        running.end()
+    finally:
+        reset_all()

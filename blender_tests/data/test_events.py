@@ -14,7 +14,7 @@ FOREIGN = 500
 
 @pytest.fixture
 def asked():
-    """The objects whose `planar` is read meanwhile; the property itself is out of reach until the test ends."""
+    """The objects whose `planar` is read meanwhile; what it holds is out of reach until the test ends."""
     from planar_deform.scene import properties
 
     found = []

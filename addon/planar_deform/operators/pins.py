@@ -13,6 +13,7 @@ from ..errors import Refusal
 from ..scene.objects.cutout_object import SceneCutout, begin, pose_refusal
 from ..scene.pins import pin_list
 from ..scene.properties import KINDS
+from ..scene.storage import migration
 from .posing_operator import PosingOperator, Refusing
 
 # Farther than this share of the diagonal from the mesh, a place is not on it.
@@ -207,7 +208,8 @@ def _list_refusal(obj: bpy.types.Object | None) -> str | None:
     if obj is None or obj.type != "MESH" or not obj.planar.pins:
         return "No pins: add some first"
     local = obj.library is None and obj.data.library is None and obj.override_library is None
-    return None if local and obj.mode == "OBJECT" else pose_refusal(obj)
+    fit = local and obj.mode == "OBJECT" and not migration.is_newer(obj)
+    return None if fit else pose_refusal(obj)
 
 
 def _select(obj: bpy.types.Object, wanted: Iterable[int]) -> None:

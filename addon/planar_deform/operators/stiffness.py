@@ -21,6 +21,7 @@ from ..model.posing.solving import Solving, StoppedError
 from ..scene.objects import stiffness
 from ..scene.objects.cutout_object import begin, read_cutout
 from ..scene.pins import pin_list
+from ..scene.storage import migration
 from .modal import running
 from .posing_operator import PosingOperator
 
@@ -99,7 +100,9 @@ def _active() -> bpy.types.Object | None:
     if obj is None or obj.type != "MESH":
         return None
     left = obj.mode == "OBJECT" and obj.session_uid == _painted
-    return obj if (obj.mode == "WEIGHT_PAINT" or left) and obj.planar.stiffness_group else None
+    if obj.mode != "WEIGHT_PAINT" and not left:
+        return None
+    return obj if obj.planar.stiffness_group and not migration.is_newer(obj) else None
 
 
 def _look() -> float | None:

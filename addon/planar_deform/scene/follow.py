@@ -7,6 +7,7 @@ import bpy
 
 from .pins.pin_list import sync
 from .sequence import pose_edit, pose_state
+from .storage import migration
 
 
 def match_groups(obj: bpy.types.Object) -> None:
@@ -14,6 +15,8 @@ def match_groups(obj: bpy.types.Object) -> None:
     if obj.type != "MESH" or not obj.is_property_set("planar"):  # which the first look at it sets
         return
     if not obj.planar.pins and not obj.planar.stiffness_group:
+        return
+    if migration.is_newer(obj):
         return
     if obj.library is None and obj.mode in {"OBJECT", "WEIGHT_PAINT"}:
         sync(obj)
@@ -35,6 +38,7 @@ def activate_shown_pose(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
         or obj.type not in {"MESH", "CURVE"}
         or obj.mode != "OBJECT"
         or not pose_state.is_ours(obj)
+        or migration.is_newer(obj)
     ):
         return
     if obj.library is None and obj.data.library is None:

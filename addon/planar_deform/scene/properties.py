@@ -21,6 +21,7 @@ from ..errors import Refusal
 from .objects.any_object import shape_refusal
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
+from .storage import migration
 
 KINDS = (
     ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
@@ -122,9 +123,14 @@ class PlanarPose(bpy.types.PropertyGroup):
     order_before: IntProperty(options={"HIDDEN"})  # from 1: among the poses before they were put in order
 
 
+def _number(settings: PlanarSettings, _context: bpy.types.Context) -> None:
+    migration.migrate(settings.id_data)
+
+
 class PlanarSettings(bpy.types.PropertyGroup):
     """Pins and posing settings of an object."""
 
+    version: IntProperty(options={"HIDDEN"})  # see storage/migration.py
     pins: CollectionProperty(type=PlanarPin)
     active_pin: IntProperty(name="Active Pin", description="Pin shown in the panel")
     group_count: IntProperty(options={"HIDDEN"})  # vertex groups when the pins were last matched to them
@@ -145,6 +151,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
                 "from where the last one ended. Forgets the rest shape",
             ),
         ),
+        update=_number,
     )
     pin_weight: FloatProperty(
         name="Pin Weight",
@@ -152,6 +159,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
         default=1.0,
         min=1e-3,
         soft_max=10.0,
+        update=_number,
     )
     stiffness_group: StringProperty(
         name="Stiffness",
@@ -159,6 +167,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
             "Vertex group painted with stiffness: at a weight of 0.5 the drawing is as it is without, "
             "at 1 a hundred times as stiff, at 0 a hundred times as soft"
         ),
+        update=_number,
     )
     stiffness_index: IntProperty(default=-1, options={"HIDDEN"})
     # What of the stiffness the shape shown was solved with, as stiffness.stamp() tells it; empty: unknown.
@@ -171,8 +180,11 @@ class PlanarSettings(bpy.types.PropertyGroup):
             ("AREA", "Area", "How much larger or smaller each triangle has become"),
             ("ANGLE", "Angle", "How much each triangle has changed its shape"),
         ),
+        update=_number,
     )
-    show_mesh: BoolProperty(name="Mesh Edges", description="Show the edges of the mesh in the Pose tool")
+    show_mesh: BoolProperty(
+        name="Mesh Edges", description="Show the edges of the mesh in the Pose tool", update=_number
+    )
     poses: CollectionProperty(type=PlanarPose)
     active_pose: IntProperty(name="Active Pose", description="Pose that the panel's buttons act on")
     show_onion: BoolProperty(
@@ -181,17 +193,20 @@ class PlanarSettings(bpy.types.PropertyGroup):
             "Show the outlines of the poses keyed before (green) and behind (blue) the current frame, "
             "but not while the timeline plays"
         ),
+        update=_number,
     )
     anchor_path: EnumProperty(
         name="Path",
         description="Way from pose to pose of planted pins, else of all pins, else of the middle",
         items=PATHS,
         options=set(),
+        update=_number,
     )
     smooth: BoolProperty(
         name="Smooth",
         description="Pass through the poses without a change of speed or direction there",
         options=set(),
+        update=_number,
     )
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
@@ -203,10 +218,12 @@ CLASSES = (PlanarPin, PlanarPose, PlanarSettings)
 
 
 def register() -> None:
-    """Adds Object.planar; the classes are registered already."""
+    """Adds Object.planar and Mesh.planar_version; the classes are registered already."""
     bpy.types.Object.planar = PointerProperty(type=PlanarSettings)
+    bpy.types.Mesh.planar_version = IntProperty(options={"HIDDEN"})  # see storage/migration.py
 
 
 def unregister() -> None:
-    """Removes Object.planar."""
+    """Removes them."""
+    del bpy.types.Mesh.planar_version
     del bpy.types.Object.planar

@@ -10,7 +10,7 @@ from ...errors import ObjectGone, Refusal
 from ...model.plane.cutout import diagonal_of
 from ...model.plane.frame import Array, Indices, Mask, PlaneFrame, mapped
 from ...model.posing import solving
-from ..storage import points, shape_keys
+from ..storage import migration, points, shape_keys
 from .pose_store import target_of
 
 FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
@@ -23,6 +23,9 @@ def data_refusal(obj: bpy.types.Object, mode: str) -> str | None:
         return f"'{obj.name}' is linked from a library: make it local with Object > Relations > Make Local"
     if obj.override_library is not None or data.override_library is not None:
         return f"'{obj.name}' is a library override: make it local with Object > Relations > Make Local"
+    newer = migration.refusal(obj)
+    if newer is not None:
+        return newer
     if obj.mode != mode:
         return "Posing works in Object Mode: leave the current mode first"
     if data.users - data.use_fake_user > 1:

@@ -12,11 +12,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array32, Indices
 from ..sequence import pose_state
 from ..storage import points, shape_keys
-
-REST = "planar_rest"
-# Which mesh wrote a vertex's rest: 0 for vertices that an edit added with no rest of their own, another
-# number for those that came by joining, whose rest is still in the space of the object they came from.
-OWNER = "planar_rest_owner"
+from ..storage.migration import OWNER, REST, VERSION
 
 
 def basis_or_stored(obj: bpy.types.Object) -> Array32 | None:
@@ -51,6 +47,7 @@ def write(mesh: bpy.types.Mesh, rest: Array32) -> None:
 
 def put_back(mesh: bpy.types.Mesh, rest: Array32 | None, owners: Indices | None) -> None:
     """Store rest and owners as they were read, and nothing where there was nothing."""
+    mesh.planar_version = 0 if rest is None else VERSION
     for name, kind, field, values in (
         (REST, "FLOAT_VECTOR", "vector", rest),
         (OWNER, "INT", "value", owners),

@@ -15,6 +15,7 @@ from ...model.posing.pins import Holder, Pin
 from ...model.posing.pose_action import PinResult
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE, SceneCutout
+from ..storage import migration
 
 GROUP_NAME = "Pin"
 
@@ -175,6 +176,7 @@ def remove(obj: bpy.types.Object, indices: Iterable[int]) -> None:
 def _append(
     obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str, *, owns_group: bool
 ) -> bpy.types.PropertyGroup:
+    migration.migrate(obj)
     rest_shape.ensure(obj)
     settings = obj.planar
     pin = settings.pins.add()

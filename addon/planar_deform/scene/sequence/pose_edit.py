@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_PLACE
-from ..storage import points
+from ..storage import migration, points
 from . import playback, pose_curve, pose_insertion
 from .pose_blocks import FIRST, block_at, keyed, own_curve
 from .pose_showing import drop_scratch, show_frame
@@ -122,6 +122,7 @@ def end_sequence(obj: bpy.types.Object) -> None:
 
 def begin_sequence(obj: bpy.types.Object, rest: Array32) -> None:
     """Make an object's shape keys absolute, with the shape `rest` as the Basis, for poses to be added."""
+    migration.migrate(obj)
     mesh, settings = obj.data, obj.planar
     settings.poses.clear()
     if mesh.shape_keys is None:
