@@ -14,6 +14,7 @@ from ..scene.objects.cutout_object import SceneCutout, begin, pose_refusal
 from ..scene.pins import pin_list
 from ..scene.properties import KINDS
 from ..scene.storage import migration
+from .modal import running
 from .posing_operator import PosingOperator, Refusing
 
 # Farther than this share of the diagonal from the mesh, a place is not on it.
@@ -133,6 +134,7 @@ class PLANAR_OT_remove_pins(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        running.end()
         obj = context.object
         reason = _list_refusal(obj)
         if reason is not None:

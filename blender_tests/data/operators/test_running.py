@@ -179,6 +179,7 @@ SCRIPTS = {
     "generate_inbetweens": {},
     "key_pose": {},
     "reset_to_rest": {},
+    "remove_pins": {},
 }
 
 

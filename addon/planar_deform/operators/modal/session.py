@@ -120,7 +120,7 @@ class Session:
             self.take_back()
             return
         self.end()
-        with contextlib.suppress(ObjectGone):
+        with contextlib.suppress(ObjectGone, Refusal):  # that of keying it: it is shown all the same
             self.action.finish(self.shown)
 
     def let_go(self) -> None:
