@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 from bpy.app.handlers import persistent
 
@@ -20,8 +22,7 @@ CLASSES = ()
 SHAPES = bpy.types.Mesh | bpy.types.Curve | bpy.types.Key
 
 
-@persistent
-def _on_update(_scene, depsgraph) -> None:
+def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Blender has evaluated something anew.
 
     Called for every movement of anything, so nothing is asked of an object that has only moved.
@@ -48,33 +49,28 @@ def _on_update(_scene, depsgraph) -> None:
     stiffness.changed()
 
 
-@persistent
-def _on_frame_change(scene, depsgraph) -> None:
+def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     snapshot.changed()
     follow.activate_shown_pose(scene, depsgraph)
 
 
-@persistent
-def _before_undo(*_) -> None:
+def _before_undo(*_: object) -> None:
     running.let_go()
 
 
-@persistent
-def _after_undo(*_) -> None:
+def _after_undo(*_: object) -> None:
     digests.forget()
     snapshot.changed()
     onion.changed()
     stiffness.undone()
 
 
-@persistent
-def _before_load(*_) -> None:
+def _before_load(*_: object) -> None:
     running.let_go()
     reset_all()
 
 
-@persistent
-def _on_new_data(*_) -> None:
+def _on_new_data(*_: object) -> None:
     """A file is loaded, something appended; or what is to be saved may have become local since."""
     migration.migrate_all()
 
@@ -90,7 +86,7 @@ def reset_all() -> None:
     stiffness.forget()
 
 
-HANDLERS = {
+HANDLERS: dict[str, Callable[..., None]] = {  # of bpy.app.handlers, by name
     "depsgraph_update_post": _on_update,
     "frame_change_post": _on_frame_change,
     "undo_pre": _before_undo,
@@ -105,7 +101,7 @@ HANDLERS = {
 def register() -> None:
     """Listen from now on."""
     for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
+        getattr(bpy.app.handlers, name).append(persistent(handler))
 
 
 def unregister() -> None:

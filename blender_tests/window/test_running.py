@@ -23,6 +23,13 @@ def slow_jobs() -> Iterator[None]:
         run.advance = advance
 
 
+def held() -> tuple:
+    """All that is stored but the blocks of an unkeyed pose: those stay behind when the frame has changed."""
+    blocks, *others = stored()
+    hold = addon("scene.sequence.pose_blocks").HOLD
+    return [block for block in blocks if block[1] < hold], *others
+
+
 def begin(window: Window, operator: str) -> object:
     """Start it as a key would; what is running then."""
     with window.context():
@@ -43,7 +50,7 @@ def test_each_one_ends_each_other(window: Window) -> Iterator[None]:
                 if first == second == "record_pins":
                     continue  # that one ends itself, see test_record.py
                 yield from go_to(13)
-                before = stored()
+                before = held()
                 one = begin(window, first)
                 x, y = window.mouse
                 yield from window.move((x + 40, y), steps=2)
@@ -53,11 +60,11 @@ def test_each_one_ends_each_other(window: Window) -> Iterator[None]:
                 other = begin(window, second)
                 assert running.now() is other
                 yield from window.move((x, y), steps=2)
-                assert window.busy in ([f"PLANAR_OT_{second}"], []), (first, second, window.busy)
-                assert window.busy or second == "settle_pose", (first, second)
-                assert running.now() is (other if window.busy else None)
-                yield from window.key("ESC")
+                if second != "settle_pose":
+                    assert running.now() is other, (first, second)
+                    assert f"PLANAR_OT_{second}" in window.busy, (first, second, window.busy)
+                yield from window.key("ESC")  # then those below it get events again, and end
                 yield
-                assert window.busy == [], (first, second)
+                assert window.busy == [], (first, second, window.busy)
                 assert running.now() is None
-                assert stored() == before or "settle_pose" in (first, second), (first, second)
+                assert held() == before or "settle_pose" in (first, second), (first, second)
