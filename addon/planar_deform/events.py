@@ -77,6 +77,7 @@ def _on_new_data(*_: object) -> None:
 
 def reset_all() -> None:
     """Keep nothing of the file: its objects go, and others may get their names and identities."""
+    running.stop_clocks()
     solving.halt()
     solver_cache.clear()
     triangulation.forget()

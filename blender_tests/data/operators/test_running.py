@@ -127,6 +127,7 @@ def _ended():
     from planar_deform.operators.modal import running
 
     running.end()
+    running.stop_clocks()
 
 
 @pytest.mark.parametrize("second", STARTERS)
@@ -236,6 +237,7 @@ def test_turning_the_add_on_off_ends_it(first):
     planar_deform.unregister()
     try:
         assert running.now() is None
+        assert running._clocks == set()
         keys = obj.data.shape_keys
         after = (
             coordinates(obj.data.vertices).tobytes(),
@@ -292,5 +294,6 @@ def test_an_error_on_the_way_ends_it_once_with_everything_as_it_was(start, capfd
     assert running.now() is None
     assert len(operator.reports) == 1
     assert capfd.readouterr().err.count("Traceback") == 1
+    assert running._clocks == set()
     assert operator.modal(bpy.context, event) == {"CANCELLED"}, "once"
     assert len(operator.reports) == 1

@@ -124,10 +124,10 @@ class LongOperator(ShapeOperator):
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         running.start(self._run)
-        self._timer = None
+        self._clock: running.Clock | None = None
         result = self._look(INSTANT, INSTANT)
         if result == {"RUNNING_MODAL"}:
-            self._timer = context.window_manager.event_timer_add(RATE, window=context.window)
+            self._clock = running.Clock(context, RATE)
             context.window_manager.modal_handler_add(self)
         return result
 
@@ -170,9 +170,8 @@ class LongOperator(ShapeOperator):
         if not self._run.stopped:
             self._run.give_way()
         running.ended(self._run)
-        if self._timer is not None:
-            bpy.context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
+        if self._clock is not None:
+            self._clock.stop()
         self._run = None  # Blender keeps operators that are done, and this has all that was solved
         return result
 

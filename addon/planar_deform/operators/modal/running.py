@@ -12,9 +12,14 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import bpy
+
 
 class Run(Protocol):
-    """Something that is running. Ended from here, its operator ends with the next event that it gets."""
+    """Something that is running. Ended from here, its operator ends with the next event that it gets.
+
+    With a Clock that is soon.
+    """
 
     def give_way(self) -> None:
         """End at once: something else begins, or the add-on is turned off."""
@@ -59,3 +64,26 @@ def ended(run: Run) -> None:
     global _now
     if _now is run:
         _now = None
+
+
+class Clock:
+    """Gives a window's operators an event every so often, until the one that it is for has ended itself."""
+
+    def __init__(self, context: bpy.types.Context, seconds: float):
+        self._timer = context.window_manager.event_timer_add(seconds, window=context.window)
+        _clocks.add(self)
+
+    def stop(self) -> None:
+        """No more events. May be called again."""
+        if self in _clocks:
+            _clocks.remove(self)
+            bpy.context.window_manager.event_timer_remove(self._timer)
+
+
+_clocks: set[Clock] = set()
+
+
+def stop_clocks() -> None:
+    """Another file, or the add-on turned off: operators end without having an event."""
+    for clock in tuple(_clocks):
+        clock.stop()

@@ -41,7 +41,7 @@ class Session:
         self.ended = False
         self._solving: Solving | None = None
         self._complete = False  # the last thing asked for is a way that must be gone to its end
-        self._timer = context.window_manager.event_timer_add(RATE, window=context.window)
+        self.clock = running.Clock(context, RATE)
         running.start(self)
         put_up(context, keys)
 
@@ -104,7 +104,6 @@ class Session:
         running.ended(self)
         if self._solving is not None:
             self._solving.stop()
-        bpy.context.window_manager.event_timer_remove(self._timer)
         snapshot.release()
         put_away()
 
@@ -159,6 +158,7 @@ class Interactive:
 
     def modal(self, context, event):
         if self._session.ended:
+            self.leave()
             return {"CANCELLED"}
         try:
             return self._go_on(context, event)
@@ -169,6 +169,7 @@ class Interactive:
             self._session.take_back()
         except Exception:
             traceback.print_exc()
+        self.leave()
         return {"CANCELLED"}
 
     def cancel(self, context):
@@ -210,12 +211,12 @@ class Interactive:
     def stop(self):
         """End it early: taken back, unless it has been released."""
         session = self._session
-        if session.ended:
-            return {"CANCELLED"}
-        if session.released and session.shown is not None:
-            with contextlib.suppress(ObjectGone):
-                return self.finish()
-        session.take_back()
+        if not session.ended:
+            if session.released and session.shown is not None:
+                with contextlib.suppress(ObjectGone):
+                    return self.finish()
+            session.take_back()
+        self.leave()
         return {"CANCELLED"}
 
     def finish(self):
@@ -227,5 +228,6 @@ class Interactive:
         return {"FINISHED"}
 
     def leave(self):
-        """End it, whatever is shown."""
+        """End it, whatever is shown, unless it has been ended."""
         self._session.end()
+        self._session.clock.stop()
