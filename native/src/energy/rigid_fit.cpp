@@ -13,8 +13,8 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// Of a point's distance from the origin: a point inside a triangle is a sum of three products whose weights are
-/// rounded, too, which is off by up to half of this.
+/// Of a point's distance from the origin: a point inside a triangle is a sum of three products whose weights
+/// are rounded, too, which is off by up to half of this.
 constexpr double rounding = 4.0 * epsilon;
 
 /// What is summed over the pairs of a part.
