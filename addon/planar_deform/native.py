@@ -36,6 +36,7 @@ class Elements(TypedDict, total=False):
 
 
 Cancelled = planar_native.Cancelled
+Distortion = planar_native.Distortion
 Inbetweens = planar_native.Inbetweens
 Poser = planar_native.Poser
 Report = planar_native.Report

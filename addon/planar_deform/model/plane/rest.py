@@ -11,18 +11,23 @@ from .frame import Array, Array32, Indices, Mask
 Complex = NDArray[np.complex128]
 
 
-def copied_along_edges(rest: Array32, current: Array, triangles: Indices, least: float) -> Mask:
+def coincident_edges(rest: Array32, triangles: Indices) -> Indices:
+    """The edges k x 2 of triangles m x 3 whose two ends have the same rest, n x d; some of them twice."""
+    edges: Indices = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    for axis in rest.T:  # one coordinate after the other: few edges are left after the first
+        edges = edges[axis[edges[:, 0]] == axis[edges[:, 1]]]
+    return edges
+
+
+def copied_along_edges(coincident: Indices, current: Array, least: float) -> Mask:
     """The vertices (mask n) whose rest is a copy of a neighbour's that is more than `least` away.
 
     That is what extruding leaves: Blender copies the point attributes of the source vertex to the new one,
-    which comes later in the mesh. `rest` and `current` are n x d.
+    which comes later in the mesh. `coincident` is what coincident_edges() finds, `current` is n x d.
     """
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    for axis in rest.T:  # one coordinate after the other: few edges are left after the first
-        edges = edges[axis[edges[:, 0]] == axis[edges[:, 1]]]
-    apart = np.linalg.norm(current[edges[:, 0]] - current[edges[:, 1]], axis=1) > least
-    copied = np.zeros(len(rest), bool)
-    copied[edges[apart].max(axis=1)] = True
+    apart = np.linalg.norm(current[coincident[:, 0]] - current[coincident[:, 1]], axis=1) > least
+    copied = np.zeros(len(current), bool)
+    copied[coincident[apart].max(axis=1)] = True
     return copied
 
 

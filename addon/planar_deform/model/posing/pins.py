@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,20 +35,30 @@ class Holder:
     """A pin bound to a cutout: the mesh points by which it holds it."""
 
     def __init__(self, pin: Pin, cutout: Cutout):
-        self.pin = pin
-        self._triangles = cutout.triangles
+        self.pin, self.cutout = pin, cutout
         self.shares = pin.weights / pin.weights.sum()
         self.part = int(cutout.parts[pin.vertices[0]])  # whose depth the pin is drawn in
         rest_centre = self.shares @ cutout.rest[pin.vertices]
         self._arms = cutout.rest[pin.vertices] - rest_centre
         self._point = None if pin.kind == "PATCH" else _point_at(pin, self.shares, rest_centre, cutout)
 
+    def holding(self, pin: Pin, cutout: Cutout) -> Holder:
+        """This one where it holds the cutout as the pin does now, with the pin's settings; else a new one."""
+        mine = self.pin
+        if self.cutout is not cutout or (mine.kind, len(mine.vertices)) != (pin.kind, len(pin.vertices)):
+            return Holder(pin, cutout)
+        if not (np.array_equal(mine.vertices, pin.vertices) and np.array_equal(mine.weights, pin.weights)):
+            return Holder(pin, cutout)
+        held = copy(self)
+        held.pin = pin
+        return held
+
     def place(self, positions: Array) -> Array:
         """Where the pin is (2,) on n x 2 positions: its point, or the weighted centre of its patch."""
         if self._point is None:
             centre: Array = self.shares @ positions[self.pin.vertices]
             return centre
-        return at(positions, self._triangles, self._point)
+        return at(positions, self.cutout.triangles, self._point)
 
     def fitted_angle(self, positions: Array) -> float:
         """The turn from rest (radians) that fits a patch best; the pin's own angle where none is defined."""
@@ -63,7 +74,7 @@ class Holder:
         if self._point is not None:
             return np.array([self._point.triangle], np.int32), self._point.weights[None, :]
         # A patch holds vertices: each as a corner of some triangle it belongs to.
-        first = _first_corner(self._triangles)
+        first = _first_corner(self.cutout.triangles)
         corners = first[self.pin.vertices]
         weights = np.zeros((len(corners), 3))
         weights[np.arange(len(corners)), corners % 3] = 1.0
@@ -99,7 +110,7 @@ def _point_at(pin: Pin, shares: Array, centre: Array, cutout: Cutout) -> MeshPoi
     """
     triangles = cutout.triangles
     if len(pin.vertices) <= 3:
-        inside = np.isin(triangles, pin.vertices).sum(axis=1) == len(pin.vertices)
+        inside = np.logical_and.reduce([(triangles == vertex).any(axis=1) for vertex in pin.vertices])
         if inside.any():
             triangle = int(np.argmax(inside))
             weights = np.zeros(3)

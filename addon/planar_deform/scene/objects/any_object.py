@@ -12,6 +12,7 @@ from ...model.plane.frame import Array
 from ..sequence import playback, pose_edit
 from . import cutout_object
 from .cutout_object import SceneCutout
+from .cutout_reading import read
 from .flat_object import settle
 from .line_object import SceneOutline, outline_refusal
 
@@ -52,7 +53,7 @@ def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> SceneS
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
-    return SceneOutline(obj, unkeyed) if is_outline(obj) else SceneCutout(obj, unkeyed)
+    return SceneOutline(obj, unkeyed) if is_outline(obj) else SceneCutout(obj, read(obj, unkeyed=unkeyed))
 
 
 def key_poses(scene: SceneShape, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...model.plane.connectivity import Connectivity
 from ...model.plane.frame import Indices
+from ..storage.topology import corner_vertices
 from .any_object import SceneShape
 
 
@@ -15,9 +16,8 @@ def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
     """The faces of a mesh on those of its vertices (n) that belong to one."""
     sizes = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_total", sizes)
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    return Connectivity(len(vertices), sizes, np.searchsorted(vertices, corners).astype(np.int32))
+    corners = np.searchsorted(vertices, corner_vertices(mesh)).astype(np.int32)
+    return Connectivity(len(vertices), sizes, corners)
 
 
 def shape_connectivity(scene: SceneShape) -> Connectivity:

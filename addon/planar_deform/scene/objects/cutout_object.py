@@ -3,19 +3,23 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import dataclass
+
 import bpy
 import numpy as np
 
 from ... import native
 from ...errors import Refusal
 from ...model.plane.cutout import Cutout, diagonal_of, make_cutout, signed_areas
-from ...model.plane.frame import Array, Indices, Mask, PlaneFrame, mapped, plane_frame
+from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped, plane_frame
 from ...model.plane.locate import MeshPoint, nearest_point
-from ...model.plane.rest import completed, copied_along_edges, copied_parts, fitted
+from ...model.plane.rest import completed, copied_along_edges, fitted
 from ..sequence import pose_state
 from ..storage import shape_keys
-from . import rest_shape, stiffness, triangulation
-from .flat_object import FlatObject, data_refusal, is_flat, part_means, settle
+from . import rest_shape, stiffness
+from .cutout_reading import CutoutReading, RestOnFaces, read
+from .flat_object import FlatObject, data_refusal, is_flat, linear_of, origin_of, part_means, settle
 from .pose_store import OwnTarget
 
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
@@ -61,7 +65,19 @@ def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False, mode: st
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
-    return SceneCutout(obj, unkeyed)
+    return SceneCutout(obj, read(obj, unkeyed=unkeyed))
+
+
+@dataclass(frozen=True, eq=False)
+class _FlatRest:
+    """The rest shape of a cutout in its plane, as far as it is known."""
+
+    stored: RestOnFaces | None  # what it is; None where edits of the mesh have a say in it
+    world: Array  # n x 3 in world-linear space
+    frame: PlaneFrame
+    flat: Array  # n x 2
+    whole: Mask  # m, triangles whose corners are all known
+    areas: Array  # of those
 
 
 class SceneCutout(FlatObject):
@@ -70,26 +86,46 @@ class SceneCutout(FlatObject):
     cutout: Cutout
     stiffness_stamp: str  # of the painting that the cutout's stiffness comes from
 
-    def __init__(self, obj: bpy.types.Object, unkeyed: bool):
-        super().__init__(obj, unkeyed)
-        mesh = obj.data
+    def __init__(
+        self, obj: bpy.types.Object, reading: CutoutReading, before: SceneCutout | None = None
+    ) -> None:
+        """Of what has been read of an object. `before`: made of it earlier; what still holds is kept."""
+        super().__init__(obj, reading.target)
+        if before is not None and not np.array_equal(before._linear, self._linear):
+            before = None
         self._in_mesh = isinstance(self._target, OwnTarget)
-
-        stored = rest_shape.basis_or_stored(obj)
-        owners = None if not self._in_mesh or stored is None else rest_shape.owners_of(mesh)
-        self._rest_before, self._rest_after, self._rest_written = (stored, owners), None, False
-        if stored is None:  # no pin yet, or the shape keys that held it are gone
-            stored = self._rest_after = self._target.begin
-        faces = triangulation.faces_of(mesh, stored)
+        self._reading, self._rest_written = reading, False
+        # Stored with the first pose where there is no pin yet, or the shape keys that held it are gone.
+        self._rest_after = reading.rest.shape if reading.stored is None else None
+        faces = reading.rest.faces
         triangles, parts = faces.triangles, faces.parts
         shown = self._take_points(obj, faces.vertices, parts)
-        world = mapped(shown, self._linear)
-        self._take_frame(_flat_frame(shown, world, triangles, parts, self._linear, "Its faces do"), world)
-        rest = self._rest_positions(stored, owners, shown, triangles, parts)
-        painted = stiffness.painted(obj)
-        self.stiffness_stamp = stiffness.stamp(painted)
-        painted = None if painted is None else painted[self.vertex_indices]
-        self.cutout = make_cutout(rest, triangles, parts, painted)
+        if before is not None and self._shows_as(before):
+            self.frame, self.positions, self._depths = before.frame, before.positions, before._depths
+        else:
+            world = mapped(shown, self._linear)
+            self._take_frame(_flat_frame(shown, world, triangles, parts, self._linear, "Its faces do"), world)
+        rest, known = self._known_rest(shown)
+        self._rest = self._flat_rest(rest, known, shown, before)
+        # Rest and pose are seen from the same side, however the mesh has been turned over in between.
+        shown_sides = np.sign(signed_areas(self.positions, triangles[self._rest.whole]))
+        self._turned_over = bool((self._rest.areas * shown_sides).sum() < 0.0)
+        if before is not None and self._has_cutout_of(before):
+            self.cutout, self.stiffness_stamp = before.cutout, before.stiffness_stamp
+            return
+        positions = self._rest_positions(rest, known, shown)
+        self.stiffness_stamp = stiffness.stamp(reading.painted)
+        painted = None if reading.painted is None else reading.painted[self.vertex_indices]
+        self.cutout = make_cutout(positions, triangles, parts, painted)
+
+    def carried(self, obj: bpy.types.Object) -> SceneCutout | None:
+        """The same cutout where its object is by now; None if that has been more than moved since."""
+        origin = origin_of(obj)
+        if not np.array_equal(self._linear, linear_of(obj)) or not np.isfinite(origin).all():
+            return None
+        carried = copy(self)
+        carried.object_name, carried._origin = obj.name, origin
+        return carried
 
     # -- reading
 
@@ -149,9 +185,9 @@ class SceneCutout(FlatObject):
 
     # -- writing
 
-    def rest_coordinates(self) -> np.ndarray:
+    def rest_coordinates(self) -> Array32:
         """The mesh's coordinates, count x 3 float32 and object-local, at rest."""
-        rest = self._rest_before[0] if self._rest_after is None else self._rest_after
+        rest = self._reading.stored if self._rest_after is None else self._rest_after
         assert rest is not None
         return rest
 
@@ -167,10 +203,10 @@ class SceneCutout(FlatObject):
         """Put everything back as it was when this was read, to the bit."""
         super().restore()
         if self._rest_written:
-            rest_shape.put_back(self.resolve().data, *self._rest_before)
+            rest_shape.put_back(self.resolve().data, self._reading.stored, self._reading.owners)
             self._rest_written = False
 
-    def _store(self, shape: np.ndarray) -> None:
+    def _store(self, shape: Array32) -> None:
         if self._in_mesh and self._rest_after is not None and not self._rest_written:
             rest_shape.write(self.resolve().data, self._rest_after)
             self._rest_written = True
@@ -178,57 +214,80 @@ class SceneCutout(FlatObject):
 
     # -- rest
 
-    def _rest_positions(
-        self, stored: np.ndarray, owners: np.ndarray | None, shown: Array, triangles: Indices, parts: Indices
-    ) -> Array:
-        """The rest shape n x 2; completed where edits left vertices without one, and kept for writing."""
-        used = self.vertex_indices
-        rest32 = stored[used]
-        rest = rest32.astype(np.float64)
+    def _known_rest(self, shown: Array) -> tuple[Array, Mask]:
+        """The rest n x 3, and where it is known (n): edits of the mesh leave vertices without one."""
+        stored, owners = self._reading.rest, self._reading.owners
+        rest = stored.coordinates.astype(np.float64)
         known = np.isfinite(rest).all(axis=1)
-        known &= ~copied_along_edges(rest32, shown, triangles, SAME_PLACE * diagonal_of(shown))
+        known &= ~copied_along_edges(stored.coincident_edges, shown, SAME_PLACE * diagonal_of(shown))
         if owners is not None:
-            self._take_in_parts(rest, owners[used], shown, parts, known)
-        changed = not known.all() or not np.array_equal(rest, rest32)
+            self._take_in_parts(rest, owners[self.vertex_indices], stored.copied_parts, shown, known)
+        return rest, known
+
+    def _take_in_parts(
+        self, rest: Array, owners: Indices, copies: list[int], shown: Array, known: Mask
+    ) -> None:
+        """Bring the rest of joined and duplicated parts to where they are; what has no owner is not known."""
+        known &= owners != 0
+        # New and joined vertices come last, so the first one is the mesh's own, even if it has no rest yet.
+        foreign = np.unique(self.parts[(owners != owners[0]) & known])
+        for part in {*foreign.tolist(), *copies}:
+            rows = np.flatnonzero((self.parts == part) & known)
+            if len(rows) >= 3:
+                rest[rows] = fitted(rest[rows], shown[rows], scaled=part in foreign)
+            else:
+                known[rows] = False
+
+    def _flat_rest(self, rest: Array, known: Mask, shown: Array, before: SceneCutout | None) -> _FlatRest:
+        """The rest in its plane; where nothing of it is known, it becomes what is shown."""
+        stored = self._reading.rest if known.all() else None
+        if stored is not None and not np.array_equal(rest, stored.coordinates):
+            stored = None
+        if stored is not None and before is not None and before._rest.stored is stored:
+            return before._rest
         if not known.any():
-            rest, known = shown.copy(), np.ones(len(used), bool)
+            rest[:], known[:] = shown, True
+        triangles = self._reading.rest.faces.triangles
         world = mapped(rest, self._linear)
-        frame = _flat_frame(rest, world, triangles, parts, self._linear, "Its rest shape does", known)
+        frame = _flat_frame(rest, world, triangles, self.parts, self._linear, "Its rest shape does", known)
         flat = frame.flatten(world)
-        # Rest and pose are seen from the same side, however the mesh has been turned over in between.
         whole = known[triangles].all(axis=1)
-        shown_sides = np.sign(signed_areas(self.positions, triangles[whole]))
-        if (signed_areas(flat, triangles[whole]) * shown_sides).sum() < 0.0:
+        return _FlatRest(stored, world, frame, flat, whole, signed_areas(flat, triangles[whole]))
+
+    def _has_cutout_of(self, before: SceneCutout) -> bool:
+        """Whether that has the same rest, faces and stiffness, to the bit."""
+        return (
+            self._rest.stored is not None
+            and self._rest is before._rest
+            and self._turned_over == before._turned_over
+            and self._reading.painted is before._reading.painted
+        )
+
+    def _shows_as(self, before: SceneCutout) -> bool:
+        """Whether that has the same shape and faces, to the bit."""
+        mine, other = self._reading, before._reading
+        return mine.shown is other.shown and mine.rest.faces is other.rest.faces
+
+    def _rest_positions(self, rest: Array, known: Mask, shown: Array) -> Array:
+        """The rest shape n x 2; completed where it is not known, and then kept for writing."""
+        parts, frame, flat = self.parts, self._rest.frame, self._rest.flat
+        if self._turned_over:
             frame = frame.mirrored()
-            flat = frame.flatten(world)
+            flat = frame.flatten(self._rest.world)
         if not known.all():
-            depths = frame.depth(world)
-            flat = completed(np.where(known[:, None], flat, 0.0), self.positions, triangles, known)
+            depths = frame.depth(self._rest.world)
+            flat = np.where(known[:, None], flat, 0.0)
+            flat = completed(flat, self.positions, self._reading.rest.faces.triangles, known)
             counts = np.bincount(parts, weights=known)
             sums = np.bincount(parts[known], weights=depths[known], minlength=len(counts))
             own = part_means(frame.depth(mapped(shown, self._linear)), parts)
             depth = np.where(counts > 0, sums / np.maximum(counts, 1), own)[parts]
             placed = mapped(frame.lift(flat) + np.outer(depth, frame.n), self._inverse)
             rest[~known] = placed[~known]
-        if changed and self._in_mesh:
-            self._rest_after = stored.copy()
-            self._rest_after[used] = rest
+        if self._rest.stored is None and self._in_mesh:
+            self._rest_after = self._reading.rest.shape.copy()
+            self._rest_after[self.vertex_indices] = rest
         return flat
-
-    def _take_in_parts(
-        self, rest: Array, owners: np.ndarray, shown: Array, parts: Indices, known: np.ndarray
-    ) -> None:
-        """Bring the rest of joined and duplicated parts to where they are; what has no owner is not known."""
-        known &= owners != 0
-        # New and joined vertices come last, so the first one is the mesh's own, even if it has no rest yet.
-        foreign = np.unique(parts[(owners != owners[0]) & known])
-        copies = copied_parts(rest, parts)
-        for part in {*foreign.tolist(), *copies}:
-            rows = np.flatnonzero((parts == part) & known)
-            if len(rows) >= 3:
-                rest[rows] = fitted(rest[rows], shown[rows], scaled=part in foreign)
-            else:
-                known[rows] = False
 
 
 def _flat_frame(

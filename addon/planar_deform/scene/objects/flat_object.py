@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import bpy
 import numpy as np
 
@@ -11,7 +13,7 @@ from ...model.plane.cutout import diagonal_of
 from ...model.plane.frame import Array, Indices, Mask, PlaneFrame, mapped
 from ...model.posing import solving
 from ..storage import migration, points, shape_keys
-from .pose_store import target_of
+from .pose_store import Target
 
 FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
 
@@ -53,12 +55,12 @@ class FlatObject:
     parts: Indices  # n, the connected part of each point
     frame: PlaneFrame  # of the shape shown, in world-linear space
     vertex_indices: Indices  # n, of each point in the object
+    count: int  # of the object's points
 
-    def __init__(self, obj: bpy.types.Object, unkeyed: bool):
+    def __init__(self, obj: bpy.types.Object, target: Target):
         self.object_name, self.session_uid = obj.name, obj.session_uid
-        self._data_uid, self._count, self._mode = obj.data.session_uid, points.count(obj), obj.mode
-        self._linear = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
-        self._origin = np.array(obj.matrix_world.translation, dtype=np.float64)
+        self._data_uid, self.count, self._mode = obj.data.session_uid, points.count(obj), obj.mode
+        self._linear, self._origin = linear_of(obj), origin_of(obj)
         if not (np.isfinite(self._linear).all() and np.isfinite(self._origin).all()):
             raise Refusal(
                 f"The transform of '{obj.name}' is not made of numbers: clear it with Object > Clear"
@@ -67,7 +69,7 @@ class FlatObject:
         if not stretches[-1] > 1e-6 * stretches[0]:
             raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
         self._inverse = np.linalg.inv(self._linear)
-        self._target = target_of(obj, unkeyed)
+        self._target = target
 
     def _take_points(self, obj: bpy.types.Object, used: Indices, parts: Indices) -> Array:
         """Stand for these of the object's points; the coordinates n x 3 at which they are shown."""
@@ -86,6 +88,16 @@ class FlatObject:
         self._depths = part_means(frame.depth(world), self.parts)
 
     # -- reading
+
+    def rows_of(self, points: Indices) -> Indices:
+        """Which of its points these of the object are, in any array; -1 for those that nothing joins."""
+        return self._rows[points]
+
+    @cached_property
+    def _rows(self) -> Indices:
+        rows = np.full(self.count, -1, np.int32)
+        rows[self.vertex_indices] = np.arange(len(self.vertex_indices), dtype=np.int32)
+        return rows
 
     def to_world(self, places: Array, parts: Indices | None = None) -> Array:
         """World positions k x 3 of k x 2 points of the plane, as deep as their parts (k,), else the first."""
@@ -154,7 +166,7 @@ class FlatObject:
         obj = bpy.data.objects.get(self.object_name)
         if obj is None or obj.session_uid != self.session_uid:
             raise ObjectGone(f"'{self.object_name}' is gone")
-        if (obj.data.session_uid, points.count(obj), obj.mode) != (self._data_uid, self._count, self._mode):
+        if (obj.data.session_uid, points.count(obj), obj.mode) != (self._data_uid, self.count, self._mode):
             raise ObjectGone(f"The {obj.type.lower()} of '{self.object_name}' has changed")
         if not self._target.is_there(obj):
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
@@ -176,6 +188,16 @@ class FlatObject:
         obj = self.resolve()
         self._target.store(obj, shape)
         points.update(obj)
+
+
+def linear_of(obj: bpy.types.Object) -> Array:
+    """The linear part of the object's transform, 3 x 3."""
+    return np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
+
+
+def origin_of(obj: bpy.types.Object) -> Array:
+    """Where the object's origin is in the world (3,)."""
+    return np.array(obj.matrix_world.translation, dtype=np.float64)
 
 
 def is_flat(frame: PlaneFrame, world: Array, parts: Indices, known: Mask | None = None) -> bool:

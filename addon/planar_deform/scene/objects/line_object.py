@@ -19,7 +19,9 @@ from ...model.plane.frame import Array, Array32, Indices, PlaneFrame, frame_acro
 from ...model.plane.outline import plane_normal
 from ..sequence import pose_state
 from ..storage import points, shape_keys
+from ..storage.topology import edge_vertices
 from .flat_object import FlatObject, data_refusal, is_flat
+from .pose_store import target_of
 
 
 def outline_refusal(obj: bpy.types.Object) -> str | None:
@@ -48,7 +50,7 @@ class SceneOutline(FlatObject):
     elements: native.Elements  # edges
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
-        super().__init__(obj, unkeyed)
+        super().__init__(obj, target_of(obj, unkeyed))
         edges = edges_of(obj)
         used, compact = np.unique(edges, return_inverse=True)
         compact = compact.reshape(-1, 2).astype(np.int32)
@@ -81,9 +83,7 @@ class SceneOutline(FlatObject):
 def edges_of(obj: bpy.types.Object) -> Indices:
     """The lines of a mesh or of a curve's poly splines, e x 2 points of it, each once, sorted."""
     if obj.type == "MESH":
-        pairs = np.empty(len(obj.data.edges) * 2, np.int32)
-        obj.data.edges.foreach_get("vertices", pairs)
-        return unique_edges(pairs.reshape(-1, 2))
+        return unique_edges(edge_vertices(obj.data))
     lines, start = [], 0
     for spline in obj.data.splines:
         line = np.arange(start, start + len(spline.points), dtype=np.int32)

@@ -15,7 +15,7 @@ from ..sequence import pose_showing, pose_state
 from ..storage import points, shape_keys
 
 
-def target_of(obj: bpy.types.Object, unkeyed: bool) -> OwnTarget | KeyTarget | SequenceTarget:
+def target_of(obj: bpy.types.Object, unkeyed: bool) -> Target:
     """Where the object's next pose goes. `unkeyed`: never into a keyed pose. Raises Refusal."""
     if obj.data.shape_keys is None:
         return OwnTarget(obj)
@@ -125,3 +125,6 @@ class SequenceTarget:
 
     def rest(self, obj: bpy.types.Object, rest: Array32) -> Array32 | None:
         return rest
+
+
+Target = OwnTarget | KeyTarget | SequenceTarget

@@ -9,22 +9,25 @@ import bpy
 import numpy as np
 
 from ...model.plane.cutout import NEUTRAL
+from ..storage.vertex_groups import Members, members
 
 GROUP_NAME = "Stiffness"
 
 
 def painted(obj: bpy.types.Object) -> np.ndarray | None:
     """The stiffness painted on each vertex (count,), neutral outside of the group; None without a group."""
-    group = obj.vertex_groups.get(obj.planar.stiffness_group)
+    name = obj.planar.stiffness_group
+    return spread(members(obj, [name]).get(name), len(obj.data.vertices))
+
+
+def spread(group: Members | None, count: int) -> np.ndarray | None:
+    """The same from the members of the group, read before, on a mesh of so many vertices."""
     if group is None:
         return None
-    index, vertices = group.index, obj.data.vertices
-    weights = np.full(len(vertices), NEUTRAL)
-    for row, vertex in enumerate(vertices):
-        for element in vertex.groups:
-            if element.group == index:
-                weights[row] = element.weight
-    return weights
+    rows, weights = group
+    stiffness = np.full(count, NEUTRAL)
+    stiffness[rows] = weights
+    return stiffness
 
 
 def stamp(painted: np.ndarray | None) -> str:

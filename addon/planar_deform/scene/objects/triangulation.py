@@ -13,6 +13,7 @@ import numpy as np
 
 from ...model.plane.cutout import connected_parts
 from ...model.plane.frame import Indices
+from ..storage.topology import corner_vertices
 
 CAPACITY = 8  # meshes
 
@@ -37,9 +38,7 @@ def faces_of(mesh: bpy.types.Mesh, rest: np.ndarray) -> Faces:
     """
     mesh.calc_loop_triangles()
     whole = len(mesh.loop_triangles) == len(mesh.polygons)
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    key = hashlib.blake2b(corners)
+    key = hashlib.blake2b(corner_vertices(mesh))
     if not whole:
         starts = np.empty(len(mesh.polygons), np.int32)
         mesh.polygons.foreach_get("loop_start", starts)

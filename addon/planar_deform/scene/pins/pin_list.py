@@ -3,19 +3,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import bpy
 import numpy as np
 
-from ...model.plane.frame import Array, Indices
+from ...model.plane.frame import Array
 from ...model.plane.locate import MeshPoint
 from ...model.posing.pins import Holder, Pin
 from ...model.posing.pose_action import PinResult
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE, SceneCutout
 from ..storage import migration
+from ..storage.vertex_groups import Members, members
 
 GROUP_NAME = "Pin"
 
@@ -62,50 +63,55 @@ def sync(obj: bpy.types.Object) -> None:
         settings.group_count = len(groups)
 
 
-def group_members(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, tuple[Indices, Array]]:
-    """Vertices and weights of each named group, without those of weight 0; missing groups are left out."""
-    wanted = {obj.vertex_groups[name].index: name for name in names if name in obj.vertex_groups}
-    members: dict[int, tuple[list[int], list[float]]] = {index: ([], []) for index in wanted}
-    for vertex in obj.data.vertices:
-        for element in vertex.groups:
-            if element.group in members and element.weight > 0.0:
-                rows, weights = members[element.group]
-                rows.append(vertex.index)
-                weights.append(element.weight)
-    return {
-        wanted[index]: (np.array(rows, np.int32), np.array(weights, np.float64))
-        for index, (rows, weights) in members.items()
-    }
+def has_pins(obj: bpy.types.Object | None) -> bool:
+    """Whether an object is a mesh with pins. One that never had settings does not get them by being asked."""
+    if obj is None or obj.type != "MESH" or not obj.is_property_set("planar"):
+        return False
+    return len(obj.planar.pins) > 0
+
+
+def groups_of(obj: bpy.types.Object) -> set[str]:
+    """The names of the vertex groups that the pins of an object hold."""
+    return {pin.group for pin in obj.planar.pins}
 
 
 def model_pins(obj: bpy.types.Object, scene: SceneCutout) -> list[Pin]:
+    """The usable pins of an object, as bound_pins() finds them."""
+    return [holder.pin for holder in bound_pins(obj, scene, members(obj, groups_of(obj)))]
+
+
+def bound_pins(
+    obj: bpy.types.Object, scene: SceneCutout, groups: Mapping[str, Members], before: Iterable[Holder] = ()
+) -> list[Holder]:
     """The usable pins of an object: those whose group exists and has a vertex of a face in it.
 
     A pin's stored target is kept while the pin still is where the last action left it, and dropped otherwise
     (the mesh was edited, reset, shows another key), so that the pin holds what is seen.
+
+    `groups` are those of the pins, as the mesh has them, and `before` the same pins bound earlier.
     """
     settings = obj.planar
-    members = group_members(obj, {pin.group for pin in settings.pins})
-    rows_of = np.full(len(obj.data.vertices), -1, np.int32)
-    rows_of[scene.vertex_indices] = np.arange(len(scene.vertex_indices), dtype=np.int32)
-    pins = []
+    known = {holder.pin.key: holder for holder in before}
+    holders = []
     for key, pin in enumerate(settings.pins):
-        vertices, weights = members.get(pin.group, (np.empty(0, np.int32), np.empty(0)))
-        rows = rows_of[vertices]
-        inside = rows >= 0
+        vertices, weights = groups.get(pin.group, (np.empty(0, np.int32), np.empty(0)))
+        rows = scene.rows_of(vertices)
+        inside = (rows >= 0) & (weights > 0.0)
         if not inside.any():
             continue
         weight = pin.weight * settings.pin_weight
         model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, weight, pin.angle)
+        old = known.get(key)
+        holder = Holder(model, scene.cutout) if old is None else old.holding(model, scene.cutout)
         if pin.has_target:
             reached, target = scene.from_local(np.array([pin.reached, pin.target], dtype=np.float64))
-            place = Holder(model, scene.cutout).place(scene.positions)
             # Both were stored in float32, which far from the origin is coarser than the drawing asks for.
             rounding = 2.0**-22 * np.linalg.norm(reached)
-            if np.linalg.norm(place - reached) <= SAME_PLACE * scene.cutout.diagonal + rounding:
-                model = replace(model, target=target)
-        pins.append(model)
-    return pins
+            gap = np.linalg.norm(holder.place(scene.positions) - reached)
+            if gap <= SAME_PLACE * scene.cutout.diagonal + rounding:
+                holder = holder.holding(replace(model, target=target), scene.cutout)
+        holders.append(holder)
+    return holders
 
 
 def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:

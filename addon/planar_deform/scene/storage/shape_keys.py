@@ -9,6 +9,7 @@ import numpy as np
 from ...errors import Refusal
 from ...model.plane.frame import Array
 from . import points
+from .vertex_groups import members
 
 POSE_KEY = "Pose"
 # Below this share of the shown shape a key is as good as off: its difference would be divided by the share,
@@ -131,12 +132,10 @@ def _counts(keys: bpy.types.Key, key: bpy.types.ShapeKey) -> bool:
 
 def _mask(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> Array | float:
     """The key's mask, count x 1, or 1.0: a vertex group that is missing masks nothing."""
-    group = obj.vertex_groups.get(key.vertex_group) if key.vertex_group else None
+    group = members(obj, [key.vertex_group]).get(key.vertex_group) if key.vertex_group else None
     if group is None:
         return 1.0
+    rows, weights = group
     mask = np.zeros((len(obj.data.vertices), 1))
-    for vertex in obj.data.vertices:
-        for element in vertex.groups:
-            if element.group == group.index:
-                mask[vertex.index] = element.weight
+    mask[rows, 0] = weights
     return mask

@@ -5,7 +5,13 @@ import numpy as np
 import pytest
 from cutouts import grid_cutout
 
-from planar_deform.model.plane.rest import completed, copied_along_edges, copied_parts, fitted
+from planar_deform.model.plane.rest import (
+    coincident_edges,
+    completed,
+    copied_along_edges,
+    copied_parts,
+    fitted,
+)
 from planar_deform.model.posing.pins import rotation
 
 
@@ -32,8 +38,9 @@ def test_copies_along_edges_are_the_later_vertices_that_have_moved_away():
     cutout = grid_cutout(2, 2)
     rest = cutout.rest.astype(np.float32)
     rest[6:] = rest[3:6]  # the last row was extruded from the one below
-    assert copied_along_edges(rest, cutout.rest, cutout.triangles, 1e-5).nonzero()[0].tolist() == [6, 7, 8]
-    assert not copied_along_edges(rest, rest.astype(float), cutout.triangles, 1e-5).any()  # not moved: merged
+    edges = coincident_edges(rest, cutout.triangles)
+    assert copied_along_edges(edges, cutout.rest, 1e-5).nonzero()[0].tolist() == [6, 7, 8]
+    assert not copied_along_edges(edges, rest.astype(float), 1e-5).any()  # not moved: merged
 
 
 def test_copied_parts_repeat_earlier_ones_entirely():

@@ -8,6 +8,7 @@ import pytest
 from cutouts import grid_cutout, pin
 
 from planar_deform.model.plane.locate import at, barycentric, nearest_point
+from planar_deform.model.posing import pins
 from planar_deform.model.posing.pins import Holder, rotation
 
 
@@ -89,3 +90,27 @@ def test_a_patch_of_one_vertex_has_no_turn_of_its_own():
     cutout = grid_cutout(2, 2)
     holder = Holder(pin([4], kind="PATCH", angle=0.8), cutout)
     assert holder.fitted_angle(cutout.rest) == 0.8
+
+
+@pytest.mark.parametrize("kind", ["POINT", "PATCH"])
+def test_a_pin_with_other_settings_is_held_where_it_was_and_anything_else_is_looked_up(kind, monkeypatch):
+    cutout, moved = grid_cutout(4, 4), grid_cutout(4, 4)
+    rows = [0, 3, 12, 18]
+    holder = Holder(pin(rows, kind=kind, weights=[1, 2, 3, 4]), cutout)
+    looked = []
+    monkeypatch.setattr(pins, "nearest_point", lambda *of: looked.append(of) or nearest_point(*of))
+    again = holder.holding(pin(rows, kind=kind, weights=[1, 2, 3, 4], angle=0.5), cutout)
+    assert again.pin.angle == 0.5
+    assert holder.pin.angle == 0.0, "the old one stays what it is"
+    assert not looked
+    for other, where in (
+        (pin([0, 3, 12, 19], kind=kind, weights=[1, 2, 3, 4]), cutout),
+        (pin(rows, kind=kind, weights=[1, 2, 3, 5]), cutout),
+        (pin(rows[:3], kind=kind, weights=[1, 2, 3]), cutout),
+        (pin(rows, kind={"POINT": "PATCH", "PATCH": "POINT"}[kind], weights=[1, 2, 3, 4]), cutout),
+        (pin(rows, kind=kind, weights=[1, 2, 3, 4]), moved),
+    ):
+        held, anew = holder.holding(other, where), Holder(other, where)
+        assert np.array_equal(held.place(where.rest), anew.place(where.rest))
+        for mine, theirs in zip(held.handle_vertices(), anew.handle_vertices(), strict=True):
+            assert np.array_equal(mine, theirs)
