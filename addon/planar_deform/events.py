@@ -14,12 +14,10 @@ from .operators import stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.objects import triangulation
-from .scene.storage import digests, migration
+from .scene.storage import changes, digests, migration
 from .scene.view import onion, snapshot
 
 CLASSES = ()
-
-SHAPES = bpy.types.Mesh | bpy.types.Curve | bpy.types.Key
 
 
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -28,29 +26,21 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     Called for every movement of anything, so nothing is asked of an object that has only moved.
     """
     changed = []  # objects of which more than the transform may be another one
-    touched = shapes = reshaped = False
     for update in depsgraph.updates:
-        thing = update.id
-        if isinstance(thing, bpy.types.Object):
-            touched = True
-            if update.is_updated_geometry or update.is_updated_shading:
-                changed.append(thing.original)
-        elif isinstance(thing, SHAPES):
-            shapes = True
-            reshaped = reshaped or update.is_updated_geometry
-    if shapes:
-        digests.forget()
-    if touched or shapes:
-        snapshot.changed()
-    if reshaped:
-        onion.changed()
+        shape = update.is_updated_geometry
+        if (shape or update.is_updated_shading) and isinstance(update.id, bpy.types.Object):
+            changed.append(update.id.original)
+            if shape:
+                changes.tell(changed[-1])
     for obj in changed:
         follow.match_groups(obj)
     stiffness.changed()
 
 
 def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    snapshot.changed()
+    for update in depsgraph.updates:
+        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
+            changes.tell(update.id.original, frame=True)
     follow.activate_shown_pose(scene, depsgraph)
 
 
@@ -59,9 +49,7 @@ def _before_undo(*_: object) -> None:
 
 
 def _after_undo(*_: object) -> None:
-    digests.forget()
-    snapshot.changed()
-    onion.changed()
+    changes.tell_all()
     stiffness.undone()
 
 
@@ -81,8 +69,9 @@ def reset_all() -> None:
     solving.halt()
     solver_cache.clear()
     triangulation.forget()
+    changes.tell_all()
     digests.forget()
-    snapshot.release()
+    snapshot.forget()
     onion.forget()
     stiffness.forget()
 

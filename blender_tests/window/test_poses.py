@@ -24,7 +24,7 @@ def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Windo
     yield from window.wait(0.3)
     snapshot, reads = addon("scene.view.snapshot"), []
     read = snapshot._read
-    snapshot._read = lambda obj: reads.append(bpy.context.scene.frame_current) or read(obj)
+    snapshot._read = lambda *of: reads.append(bpy.context.scene.frame_current) or read(*of)
     try:
         with window.context():
             bpy.ops.screen.animation_play()

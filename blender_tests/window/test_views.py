@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 from cutouts import active, moved, pin, place, ready, selected, shape, sheet
-from harness import Window
+from harness import Window, addon
 from mathutils import Euler, Quaternion, Vector
 
 LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
@@ -161,3 +161,57 @@ def test_navigating_during_a_drag_moves_nothing_by_itself(window: Window) -> Ite
     yield from window.key("ESC")
     yield from window.release()
     assert np.array_equal(shape(), before)
+
+
+def test_two_windows_show_and_drag_their_own_drawings(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    with window.context():
+        bpy.ops.wm.window_new_main()
+    yield from window.wait(0.3)
+    second = bpy.context.window_manager.windows[1]
+    second.scene = bpy.data.scenes.new("Second")
+    with bpy.context.temp_override(window=second):
+        other = sheet("Other", columns=6, rows=4, at=(0.0, 0.0, 1.0))
+        pin((0.5, 0.0, 1.0))
+    yield from window.wait(0.3)
+    untouched = shape(other)
+    views = [
+        (each, next(area for area in each.screen.areas if area.type == "VIEW_3D"))
+        for each in (window.window, second)
+    ]
+
+    def seen() -> list[list[np.ndarray]]:
+        """Where each window shows pins, after both have been drawn."""
+        shown = []
+        for each, area in views:
+            with bpy.context.temp_override(window=each, area=area):
+                shown.append(
+                    [mark.place for mark in addon("scene.view.snapshot").of_active(bpy.context).pins]
+                )
+        return shown
+
+    def check() -> None:
+        first, others = seen()
+        assert len(first) == 2
+        assert len(others) == 1, "while one is dragged, the other window is drawn as well"
+        assert np.allclose(others[0], (0.5, 0.0, 1.0), atol=1e-5), others
+
+    check()
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    end = window.pixel((1.7, 0.0, 0.5))
+    for share in (0.25, 0.5, 0.75, 1.0):
+        x, y = window.pixel((1.5 + 0.2 * share, 0.0, 0.5 * share))
+        yield from window.move((x, y))
+        for _, area in views:
+            area.tag_redraw()
+        yield from window.settled()
+        check()
+    yield from window.release()
+    yield from window.settled()
+    assert off(window, 1, end) < 3.0
+    check()
+    assert np.array_equal(shape(other), untouched)
+    with bpy.context.temp_override(window=second):
+        bpy.ops.wm.window_close()
+    yield from window.wait(0.2)

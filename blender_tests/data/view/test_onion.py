@@ -20,6 +20,11 @@ def onion():
     return of_active(bpy.context)
 
 
+def onion_of(obj):
+    with bpy.context.temp_override(object=obj):
+        return onion()
+
+
 def keyed_bar():
     obj = bar()
     poses = [key(obj, frame, seed) for seed, frame in enumerate((1, 25, 49))]
@@ -101,6 +106,28 @@ def test_it_follows_edits_and_undo():
     assert same(onion().behind, poses[2])
     bpy.ops.ed.undo()
     assert same(onion().behind, poses[1])
+
+
+def test_two_windows_have_their_own_and_another_objects_edits_drop_neither(monkeypatch):
+    from planar_deform.scene.sequence.pose_blocks import block_at
+    from planar_deform.scene.view import onion as module
+
+    objects = [keyed_bar()[0], keyed_bar()[0]]
+    go_to(13)
+    read, outline = [], module.outline
+    monkeypatch.setattr(module, "outline", lambda obj: read.append(obj.name) or outline(obj))
+    shown = [onion_of(obj) for obj in objects]
+    assert len(read) == 2
+    third = bar(name="Third")
+    third.data.vertices[0].co.x = 0.5
+    third.data.update()
+    bpy.context.view_layer.update()
+    assert [onion_of(obj) for obj in objects] == shown
+    assert len(read) == 2
+    block_at(objects[0].data.shape_keys, objects[0].planar.poses[0].at).data[0].co.x = 0.25
+    bpy.context.view_layer.update()
+    assert [onion_of(obj) is seen for obj, seen in zip(objects, shown, strict=True)] == [False, True]
+    assert read[2:] == [objects[0].name]
 
 
 def test_it_is_seen_in_edit_mode_and_on_objects_with_poses_only():

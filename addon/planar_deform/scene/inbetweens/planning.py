@@ -28,7 +28,7 @@ from ..pins import pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
 from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
-from ..storage import digests
+from ..storage import changes
 from ..storage.points import read_block
 from .plan import Plan
 
@@ -64,7 +64,7 @@ def plan(
     reason = refusal(obj)
     if reason is not None:
         raise Refusal(reason)
-    digests.forget()
+    changes.tell(obj)  # of what a script has done Blender tells later
     found = stretches(obj)
     dropped = set() if poses is None else _places(obj, set(range(len(obj.planar.poses))) - set(poses))
     found = [stretch for stretch in found if stretch.start.source not in dropped]

@@ -18,7 +18,7 @@ from ..sequence import playback, pose_curve, pose_showing, pose_state
 from ..sequence.playback import Block, sample_name
 from ..sequence.pose_blocks import FIRST, SPACING, keyed, own_curve
 from ..sequence.stretches import Stamps, Stretch, stretches
-from ..storage import digests
+from ..storage import changes, digests
 from .plan import Plan
 
 
@@ -52,7 +52,7 @@ def remove(obj: bpy.types.Object) -> None:
     reason = pose_state.refusal(obj)
     if reason is not None:
         raise Refusal(reason)
-    digests.forget()
+    changes.tell(obj)  # of what a script has done Blender tells later
     found = stretches(obj)
     folded = _folded(obj, found)  # places of repeated poses, and where the poses are that they repeat
     order = _order_before([stretch for stretch in found if stretch.start.source not in folded])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shapes are, in short, kept while no shape changes: panels ask for it in every redraw."""
+"""What shapes are, in short, kept while those of their object do not change: panels ask in every redraw."""
 
 from __future__ import annotations
 
@@ -8,15 +8,26 @@ from collections.abc import Callable
 
 import bpy
 
-_known: dict[tuple[int, float], str] = {}  # by the object's session_uid and the shape key's place
+from . import changes
+
+CAPACITY = 8  # objects
+
+# By the object's session_uid: since when nothing has changed, and the digests by the shape key's place.
+_known: dict[int, tuple[changes.Edits, dict[float, str]]] = {}
 
 
 def of_block(obj: bpy.types.Object, place: float, read: Callable[[], bytes]) -> str:
     """The digest of the shape key of an object at a place; `read` gives its bits."""
-    found = _known.get((obj.session_uid, place))
-    if found is None:
-        found = _known[obj.session_uid, place] = digest(read())
-    return found
+    edits, known = changes.edits(obj), _known.pop(obj.session_uid, None)
+    if known is None or known[0] != edits:
+        known = edits, {}
+        if len(_known) >= CAPACITY:
+            _known.pop(next(iter(_known)))
+    _known[obj.session_uid] = known  # as the last one asked for
+    digests = known[1]
+    if place not in digests:
+        digests[place] = digest(read())
+    return digests[place]
 
 
 def digest(data: bytes) -> str:
@@ -25,5 +36,5 @@ def digest(data: bytes) -> str:
 
 
 def forget() -> None:
-    """Any shape may have changed."""
+    """Keep none."""
     _known.clear()

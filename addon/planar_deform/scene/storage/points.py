@@ -12,7 +12,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array32
-from . import digests
+from . import changes
 
 CURVE_FIELDS = ("radius", "tilt")  # the columns behind the coordinates
 
@@ -71,7 +71,7 @@ def write_block(block: bpy.types.ShapeKey, shape: Array32) -> None:
 
 def update(obj: bpy.types.Object) -> None:
     """Tell Blender, and what is kept of shapes, that the object's shape has been written."""
-    digests.forget()
+    changes.tell(obj)
     if obj.type == "CURVE":
         obj.data.update_tag()
     else:

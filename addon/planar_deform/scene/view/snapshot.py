@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is shown of the active object: where its pins and edges are in the world, and how distorted it is.
+"""What is shown of an object: where its pins and edges are in the world, and how distorted it is.
 
-Reading a mesh takes milliseconds, so it is done once and kept until Blender says that something has changed.
-While a drag is on, the drag itself tells where everything is.
+Reading a mesh takes milliseconds, so each object is read once, and what was read is kept until Blender says
+that this object's shape has changed, whatever else does. Then, and when its transform, a pin or a setting is
+another one, only what depends on that is made anew: see _State, CutoutReading and SceneCutout. While a drag
+is on, the drag itself tells where everything of its object is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections import OrderedDict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -19,8 +23,15 @@ from ...errors import Refusal
 from ...model.plane.frame import Array, Indices
 from ...model.posing.pins import Holder
 from ...model.posing.pose_action import PinResult
-from ..objects.cutout_object import SceneCutout, read_cutout
-from ..pins.pin_list import model_pins
+from ..objects import cutout_reading
+from ..objects.cutout_object import SceneCutout, pose_refusal
+from ..objects.cutout_reading import CutoutReading
+from ..pins import pin_list
+from ..storage import changes
+from ..storage.topology import edge_vertices
+
+CAPACITY = 8  # objects; what is kept of one of 10k vertices takes some 5 MB
+NO_EDGES: Indices = np.empty((0, 2), np.int32)
 
 
 @dataclass(frozen=True)
@@ -34,20 +45,39 @@ class PinPlace:
     angle: float  # radians a patch is turned from rest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Snapshot:
-    """What there is to draw of one object."""
+    """What there is to draw of one object; another one whenever that is. What nobody asks for is not made."""
 
-    pins: tuple[PinPlace, ...]
-    points: Array  # n x 3 world positions of the cutout's vertices
-    edges: Array  # e x 2 indices into them; none unless the mesh's edges are shown
-    triangles: Indices  # m x 3 indices into them, as they are solved
-    distortion: native.Distortion | None = None  # of the shown shape
+    pins: tuple[PinPlace, ...] = ()
+    edges: Indices = field(default_factory=lambda: NO_EDGES)  # of the mesh
+    shape: tuple[SceneCutout, Array] | None = None  # the cutout and its positions, n x 2
     refusal: str | None = None  # why the object cannot be posed, and what to do; then there is nothing else
 
     def pin(self, key: int) -> PinPlace | None:
         """The pin with this index, None if it has no place (its group is missing or empty)."""
         return next((pin for pin in self.pins if pin.key == key), None)
+
+    @cached_property
+    def points(self) -> Array:
+        """World positions of the cutout's vertices, n x 3."""
+        if self.shape is None:
+            return np.empty((0, 3))
+        scene, positions = self.shape
+        return scene.to_world(positions, scene.cutout.parts)
+
+    @property
+    def triangles(self) -> Indices:
+        """As they are solved, m x 3 indices into the points."""
+        return np.empty((0, 3), np.int32) if self.shape is None else self.shape[0].cutout.triangles
+
+    @cached_property
+    def distortion(self) -> native.Distortion | None:
+        """Of the shown shape."""
+        if self.shape is None:
+            return None
+        scene, positions = self.shape
+        return native.distortion(scene.cutout.rest, positions, scene.cutout.triangles)
 
     @cached_property
     def worst(self) -> tuple[float, float]:
@@ -56,112 +86,166 @@ class Snapshot:
         return float(self.distortion.triangle_area.max()), float(self.distortion.triangle_angle.max())
 
 
+class _State(NamedTuple):
+    """All that a snapshot depends on. It takes some microseconds, whatever the size of the mesh."""
+
+    changed: changes.Count
+    mesh: int  # its session_uid
+    mode: str
+    groups: list[str]  # all of the object's, of whose going Blender does not tell
+    pinned: set[str]  # those of the pins
+    # What is read of the mesh depends on those above alone.
+    refusal: str | None
+    matrix: bytes
+    show_mesh: bool
+    pins: tuple[tuple[object, ...], ...]
+
+    def reads_as(self, other: _State) -> bool:
+        """Whether what is read of the mesh is the same."""
+        return self[:5] == other[:5]
+
+
+@dataclass(frozen=True)
+class _Made:
+    """What a snapshot was made from; much of it will be the same in the next one."""
+
+    reading: CutoutReading
+    scene: SceneCutout
+    holders: list[Holder]
+    edges: Indices | None  # None unless they are shown
+
+
 @dataclass(frozen=True)
 class _Kept:
-    signature: tuple
+    """What is kept of one object."""
+
+    name: str
     snapshot: Snapshot
+    state: _State | None  # that it was made in; None while a drag tells what is shown
+    made: _Made | None
 
 
-_kept: _Kept | None = None
-_followed: tuple[str, int] | None = None  # the object that a drag is telling about
+_kept: OrderedDict[int, _Kept] = OrderedDict()  # by session_uid, the last one asked for at the end
+_followed: set[int] = set()  # the objects that a drag is telling about
 
 
 def of_active(context: bpy.types.Context) -> Snapshot | None:
     """The active object's snapshot; None if it is no mesh with pins. Changes no data."""
-    global _kept
     obj = context.object
-    if obj is None or obj.type != "MESH" or not obj.planar.pins:
+    if obj is None or not pin_list.has_pins(obj):
         return None
-    if _followed == (obj.name, obj.session_uid) and _kept is not None:
-        return _kept.snapshot
-    signature = _signature(obj)
-    if _kept is None or _kept.signature != signature:
-        _kept = _Kept(signature, _read(obj))
-    return _kept.snapshot
+    kept = _kept.get(obj.session_uid)
+    if kept is None or obj.session_uid not in _followed:
+        state = _state(obj)
+        if kept is None or kept.state != state:
+            kept = _read(obj, state, kept)
+            _keep(obj.session_uid, kept)
+    _kept.move_to_end(obj.session_uid)
+    return kept.snapshot
 
 
 def follow(scene: SceneCutout, positions: Array, results: Iterable[PinResult]) -> None:
-    """A drag is on: show this until `release`, whatever Blender's updates say."""
-    global _kept, _followed
-    if _followed is None or _kept is None:
-        _followed = (scene.object_name, scene.session_uid)
-        edges = _edges(scene)
-    else:
-        edges = _kept.snapshot.edges
-    _kept = _Kept((), _snapshot(scene, positions, results, edges))
+    """A drag is on: show this of its object until `release`, whatever Blender's updates say."""
+    uid = scene.session_uid
+    kept = _kept.get(uid)
+    shown = kept.snapshot if kept is not None and uid in _followed else None
+    edges = _edges(scene.resolve(), scene) if shown is None else shown.edges
+    _followed.add(uid)
+    snapshot = Snapshot(_places(scene, results), edges, (scene, positions))
+    _keep(uid, _Kept(scene.object_name, snapshot, None, None if kept is None else kept.made))
 
 
-def following() -> bool:
-    """Whether a drag is on."""
-    return _followed is not None
+def following(obj: bpy.types.Object) -> bool:
+    """Whether a drag of this object is on."""
+    return obj.session_uid in _followed
 
 
 def release() -> None:
-    """The drag is over: what is shown is read again."""
-    global _followed
-    _followed = None
-    forget()
-
-
-def changed() -> None:
-    """What is shown may be another one; a drag tells that itself."""
-    if _followed is None:
-        forget()
+    """No drag is on any more: what is shown is read again."""
+    _followed.clear()
 
 
 def forget() -> None:
-    """Read again when it is next asked for."""
-    global _kept
-    _kept = None
+    """Keep nothing: all is read again when it is next asked for."""
+    _followed.clear()
+    _kept.clear()
 
 
-def _signature(obj: bpy.types.Object) -> tuple:
-    """All that a snapshot depends on and of whose changes Blender does not tell."""
-    pins = tuple((pin.group, pin.kind, pin.has_target, tuple(pin.target)) for pin in obj.planar.pins)
-    return obj.name, obj.session_uid, obj.mode, obj.planar.show_mesh, pins
+def _keep(uid: int, kept: _Kept) -> None:
+    """Those that are gone make room for a newcomer, and so do the oldest of too many."""
+    if uid not in _kept:
+        for other, old in list(_kept.items()):
+            obj = bpy.data.objects.get(old.name)
+            if obj is None or obj.session_uid != other or len(_kept) >= CAPACITY:
+                del _kept[other]
+    _kept[uid] = kept
 
 
-def _read(obj: bpy.types.Object) -> Snapshot:
+def _state(obj: bpy.types.Object) -> _State:
+    settings = obj.planar
+    return _State(
+        changes.count(obj),
+        obj.data.session_uid,
+        obj.mode,
+        obj.vertex_groups.keys(),
+        pin_list.groups_of(obj),
+        pose_refusal(obj),
+        np.array(obj.matrix_world).tobytes(),
+        settings.show_mesh,
+        tuple(
+            (pin.group, pin.kind, pin.angle, pin.has_target, tuple(pin.target), tuple(pin.reached))
+            for pin in settings.pins
+        ),
+    )
+
+
+def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
+    """What is shown of an object now. What still holds of what is kept is taken over."""
+    if state.refusal is not None:
+        return _Kept(obj.name, Snapshot(refusal=state.refusal), state, None)
+    old = None if before is None else before.made
+    holds = before is not None and before.state is not None and state.reads_as(before.state)
+    current = old if holds else None  # what has been read is as it is now
     try:
-        scene = read_cutout(obj)
+        if current is None:
+            reading = cutout_reading.read(obj, groups=state.pinned, before=old.reading if old else None)
+            scene = SceneCutout(obj, reading, old.scene if old else None)
+        else:
+            reading = current.reading
+            scene = current.scene.carried(obj) or SceneCutout(obj, reading, current.scene)
     except Refusal as refusal:
-        nothing = np.empty((0, 3)), np.empty((0, 2), np.int32), np.empty((0, 3), np.int32)
-        return Snapshot((), *nothing, refusal=str(refusal))
-    results = []
-    for pin in model_pins(obj, scene):
-        holder = Holder(pin, scene.cutout)
-        place = holder.place(scene.positions)
+        return _Kept(obj.name, Snapshot(refusal=str(refusal)), state, None)
+    holders = pin_list.bound_pins(obj, scene, reading.groups, old.holders if old else ())
+    edges = None if current is None else current.edges
+    if not state.show_mesh or edges is None:
+        edges = _edges(obj, scene)
+    snapshot = Snapshot(_places(scene, _results(scene, holders)), edges, (scene, scene.positions))
+    made = _Made(reading, scene, holders, edges if state.show_mesh else None)
+    return _Kept(obj.name, snapshot, state, made)
+
+
+def _results(scene: SceneCutout, holders: Iterable[Holder]) -> Iterator[PinResult]:
+    for holder in holders:
+        pin, place = holder.pin, holder.place(scene.positions)
         target = place if pin.target is None else pin.target
         angle = holder.fitted_angle(scene.positions) if pin.kind == "PATCH" else 0.0
-        results.append(PinResult(pin.key, holder.part, target, place, angle))
-    return _snapshot(scene, scene.positions, results, _edges(scene))
+        yield PinResult(pin.key, holder.part, target, place, angle)
 
 
-def _edges(scene: SceneCutout) -> Indices:
+def _edges(obj: bpy.types.Object, scene: SceneCutout) -> Indices:
     """The mesh's own edges, e x 2 in the cutout's indices, without loose ones; none unless they are shown."""
-    obj = scene.resolve()
     if not obj.planar.show_mesh:
-        return np.empty((0, 2), np.int32)
-    pairs = np.empty(len(obj.data.edges) * 2, np.int32)
-    obj.data.edges.foreach_get("vertices", pairs)
-    rows = np.full(len(obj.data.vertices), -1, np.int32)
-    rows[scene.vertex_indices] = np.arange(len(scene.vertex_indices), dtype=np.int32)
-    edges = rows[pairs.reshape(-1, 2)]
-    return edges[(edges >= 0).all(axis=1)]
+        return NO_EDGES
+    edges = scene.rows_of(edge_vertices(obj.data))
+    found: Indices = edges[(edges >= 0).all(axis=1)]
+    return found
 
 
-def _snapshot(scene: SceneCutout, positions: Array, results: Iterable[PinResult], edges: Indices) -> Snapshot:
+def _places(scene: SceneCutout, results: Iterable[PinResult]) -> tuple[PinPlace, ...]:
     pins = []
     for result in results:
         part = np.array([result.part, result.part], np.int32)
         place, target = scene.to_world(np.array([result.reached, result.target]), part)
         turned = scene.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
         pins.append(PinPlace(result.key, place, target, turned, result.angle))
-    cutout = scene.cutout
-    return Snapshot(
-        tuple(pins),
-        scene.to_world(positions, cutout.parts),
-        edges,
-        cutout.triangles,
-        native.distortion(cutout.rest, positions, cutout.triangles),
-    )
+    return tuple(pins)
