@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
-from cutouts import active, ready, shape
-from harness import Window
+from cutouts import activate, active, ready, shape, sheet
+from harness import Window, addon
 
 LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
 STRETCHED, UNTOUCHED = (1.6, 0.0, 0.3), (-1.0, 0.0, 0.3)
@@ -162,3 +162,40 @@ def test_the_scale_is_as_large_as_the_interface(window: Window) -> Iterator[None
     finally:
         view.ui_scale = 1.0
     yield from window.wait(0.3)
+
+
+def test_nothing_is_made_anew_while_another_object_moves(window: Window) -> Iterator[None]:
+    other = sheet("Other", columns=2, rows=2, at=(0.0, 1.0, 1.5))
+    yield from ready(window, LEFT, RIGHT)
+    obj = active()
+    obj.planar.show_mesh = True
+    obj.planar.pins[0].kind = "PATCH"
+    yield from stretch(window)
+    yield from show(window, "AREA")
+    yield from window.wait(0.3)
+    made, originals = [], {}
+    for name in ("quality", "mesh_edges", "onion_skin", "marks"):
+        module = addon(f"ui.draw.{name}")
+        originals[module] = module.batch_for_shader
+        module.batch_for_shader = lambda *of, name=name, make=originals[module], **more: (
+            made.append(name) or make(*of, **more)
+        )
+    try:
+        for step in range(5):
+            other.location.x = 0.1 * step
+            window.area.tag_redraw()
+            yield from window.wait(0.1)
+        assert made == []
+        yield from stretch(window)
+        assert {*made} >= {"quality", "mesh_edges"}, "another shape is drawn anew"
+        count = len(made)
+        activate(other)
+        window.area.tag_redraw()
+        yield from window.wait(0.2)
+        activate(obj)
+        window.area.tag_redraw()
+        yield from window.wait(0.2)
+        assert len(made) == count, "what another object shows is kept"
+    finally:
+        for module, original in originals.items():
+            module.batch_for_shader = original

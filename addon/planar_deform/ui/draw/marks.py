@@ -63,9 +63,9 @@ def draw_patch(centre: Vector, turned: Vector, scale: float, fill: tuple, *, lit
     with gpu.matrix.push_pop():
         gpu.matrix.translate((centre.x, centre.y))
         gpu.matrix.multiply_matrix(Matrix.Rotation(math.atan2(turned.y, turned.x), 4, "Z"))
-        handle = [(radius, 0.0), (radius * 2.4, 0.0)]
-        _line(handle, RIM, 2.0 * OUTLINE * scale)
-        _line(handle, LIT if lit else fill, OUTLINE * scale)
+        start, end = Vector((radius, 0.0)), Vector((radius * 2.4, 0.0))
+        _line(start, end, RIM, 2.0 * OUTLINE * scale)
+        _line(start, end, LIT if lit else fill, OUTLINE * scale)
         _shape("box", _SQUARE, radius * 0.92, fill)
         _rim("square", _SQUARE, radius * 0.92, scale, lit)
         if active:
@@ -98,13 +98,20 @@ def draw_text(x: float, y: float, text: str, scale: float, *, centred: bool = Fa
 
 def draw_gap(place: Vector, target: Vector, scale: float) -> None:
     """From where a pin is to where it was asked to be."""
-    line = [tuple(place), tuple(target)]
-    _line(line, RIM, 2.0 * OUTLINE * scale)
-    _line(line, MISSED, OUTLINE * scale)
+    _line(place, target, RIM, 2.0 * OUTLINE * scale)
+    _line(place, target, MISSED, OUTLINE * scale)
     with gpu.matrix.push_pop():
         gpu.matrix.translate((target.x, target.y))
         _outline("circle", _CIRCLE, RADIUS * 0.6 * scale, RIM, 2.0 * OUTLINE * scale)
         _outline("circle", _CIRCLE, RADIUS * 0.6 * scale, MISSED, OUTLINE * scale)
+
+
+def draw_box(left: float, bottom: float, right: float, top: float, colour: tuple) -> None:
+    """A box, filled."""
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((0.5 * (left + right), 0.5 * (bottom + top)))
+        gpu.matrix.scale((0.5 * (right - left), 0.5 * (top - bottom)))
+        _shape("box", _SQUARE, 1.0, colour)
 
 
 def forget() -> None:
@@ -141,9 +148,16 @@ def _outline(name: str, corners: list, radius: float, color: tuple, width: float
         _batches[name].draw(shader)
 
 
-def _line(points: list, color: tuple, width: float) -> None:
+def _line(start: Vector, end: Vector, color: tuple, width: float) -> None:
     shader = _pen(color, width)
-    batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+    if "line" not in _batches:
+        _batches["line"] = batch_for_shader(shader, "LINES", {"pos": [(0.0, 0.0), (1.0, 0.0)]})
+    along = end - start
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((start.x, start.y))
+        gpu.matrix.multiply_matrix(Matrix.Rotation(math.atan2(along.y, along.x), 4, "Z"))
+        gpu.matrix.scale_uniform(along.length)
+        _batches["line"].draw(shader)
 
 
 def _pen(color: tuple, width: float) -> gpu.types.GPUShader:

@@ -3,17 +3,22 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
 
+from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
+from ...scene.view.snapshot import Snapshot
 from ..tool.tool_state import pose_tool_is_active
 
 CLASSES = ()
 
 EDGES = (0.05, 0.05, 0.06, 0.45)
 
+_made: WeakKeyDictionary[Snapshot, gpu.types.GPUBatch] = WeakKeyDictionary()  # for as long as that is kept
 _handle: object | None = None
 
 
@@ -21,13 +26,16 @@ def _draw() -> None:
     context = bpy.context
     if not pose_tool_is_active(context) or not context.space_data.overlay.show_overlays:
         return
-    if context.object is None or not context.object.planar.show_mesh:
+    if not has_pins(context.object) or not context.object.planar.show_mesh:
         return
     seen = snapshot.of_active(context)
     if seen is None or not len(seen.edges):
         return
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    batch = batch_for_shader(shader, "LINES", {"pos": seen.points.astype("float32")}, indices=seen.edges)
+    batch = _made.get(seen)
+    if batch is None:
+        content = {"pos": seen.points.astype("float32")}
+        batch = _made[seen] = batch_for_shader(shader, "LINES", content, indices=seen.edges)
     shader.bind()
     shader.uniform_float("color", EDGES)
     gpu.state.blend_set("ALPHA")
@@ -45,3 +53,4 @@ def unregister() -> None:
     if _handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
     _handle = None
+    _made.clear()

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import bpy
 import gpu
@@ -21,20 +21,13 @@ BEHIND = (0.30, 0.42, 1.0, 0.9)
 WIDTH = 1.75  # pixels at a UI scale of 1
 
 
-@dataclass(frozen=True)
-class _Made:
-    """What the graphics card has for one onion."""
+Skins = tuple[tuple[tuple, gpu.types.GPUBatch], ...]  # colour and outline of each
 
-    onion: Onion
-    skins: tuple[tuple[tuple, gpu.types.GPUBatch], ...]  # colour and outline of each
-
-
-_made: _Made | None = None
+_made: WeakKeyDictionary[Onion, Skins] = WeakKeyDictionary()  # for as long as that is kept
 _handle: object | None = None
 
 
 def _draw() -> None:
-    global _made
     context = bpy.context
     if not context.space_data.overlay.show_overlays or context.screen.is_animation_playing:
         return  # as Grease Pencil does: the motion is to be seen
@@ -42,15 +35,12 @@ def _draw() -> None:
     if seen is None or not context.object.visible_get(viewport=context.space_data):
         return
     pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-    if _made is None or _made.onion is not seen:
-        shapes = (BEFORE, seen.before), (BEHIND, seen.behind)
-        _made = _Made(
-            seen,
-            tuple(
-                (colour, batch_for_shader(pen, "LINES", {"pos": shape[seen.edges.ravel()]}))
-                for colour, shape in shapes
-                if shape is not None
-            ),
+    skins = _made.get(seen)
+    if skins is None:
+        skins = _made[seen] = tuple(
+            (colour, batch_for_shader(pen, "LINES", {"pos": shape[seen.edges.ravel()]}))
+            for colour, shape in ((BEFORE, seen.before), (BEHIND, seen.behind))
+            if shape is not None
         )
     pen.bind()
     pen.uniform_float("lineWidth", WIDTH * context.preferences.system.ui_scale)
@@ -58,7 +48,7 @@ def _draw() -> None:
     gpu.state.blend_set("ALPHA")
     with gpu.matrix.push_pop():
         gpu.matrix.multiply_matrix(Matrix(context.object.matrix_world))
-        for colour, skin in _made.skins:
+        for colour, skin in skins:
             pen.uniform_float("color", colour)
             skin.draw(pen)
     gpu.state.blend_set("NONE")
@@ -70,7 +60,8 @@ def register() -> None:
 
 
 def unregister() -> None:
-    global _handle, _made
+    global _handle
     if _handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = _made = None
+    _handle = None
+    _made.clear()

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
+from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
 from ...scene.view.snapshot import Snapshot
 from . import marks
@@ -49,13 +51,13 @@ BACK = (0.08, 0.08, 0.09, 0.80)
 class _Made:
     """What the graphics card has for one snapshot."""
 
-    snapshot: Snapshot
     kind: str
     fill: gpu.types.GPUBatch
     flipped: gpu.types.GPUBatch | None
 
 
-_made: _Made | None = None
+_made: WeakKeyDictionary[Snapshot, _Made] = WeakKeyDictionary()  # for as long as that is kept
+_bar: gpu.types.GPUBatch | None = None
 _handles: list[object] = []
 
 
@@ -72,31 +74,31 @@ def share(distortion: np.ndarray | float) -> np.ndarray:
 def _shown(context: bpy.types.Context) -> tuple[Snapshot, str] | None:
     """The snapshot to colour, and by what; None where there is nothing to show."""
     obj = context.object
-    if context.mode != "OBJECT" or obj is None or obj.type != "MESH" or obj.planar.show_quality == "OFF":
+    if context.mode != "OBJECT" or not has_pins(obj) or obj.planar.show_quality == "OFF":
         return None
     if not context.space_data.overlay.show_overlays or not obj.visible_get(viewport=context.space_data):
         return None
     seen = snapshot.of_active(context)
-    return None if seen is None or seen.distortion is None else (seen, obj.planar.show_quality)
+    return None if seen is None or seen.refusal is not None else (seen, obj.planar.show_quality)
 
 
 def _draw_colours() -> None:
-    global _made
     shown = _shown(bpy.context)
     if shown is None:
         return
     seen, kind = shown
-    if _made is None or _made.snapshot is not seen or _made.kind != kind:
-        _made = _make(seen, kind)
+    made = _made.get(seen)
+    if made is None or made.kind != kind:
+        made = _made[seen] = _make(seen, kind)
     gpu.state.blend_set("ALPHA")
-    _made.fill.draw(gpu.shader.from_builtin("FLAT_COLOR"))
-    if _made.flipped is not None:
+    made.fill.draw(gpu.shader.from_builtin("FLAT_COLOR"))
+    if made.flipped is not None:
         pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
         pen.bind()
         pen.uniform_float("color", FLIPPED)
         pen.uniform_float("lineWidth", BORDER * bpy.context.preferences.system.ui_scale)
         pen.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-        _made.flipped.draw(pen)
+        made.flipped.draw(pen)
     gpu.state.blend_set("NONE")
 
 
@@ -115,7 +117,7 @@ def _make(seen: Snapshot, kind: str) -> _Made:
         sides = seen.triangles[flipped][:, [0, 1, 1, 2, 2, 0]].ravel()
         pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
         border = batch_for_shader(pen, "LINES", {"pos": points[sides]})
-    return _Made(seen, kind, fill, border)
+    return _Made(kind, fill, border)
 
 
 def _draw_legend() -> None:
@@ -135,19 +137,19 @@ def _draw_legend() -> None:
     rows = 3 if seen.distortion.flipped else 2
     top = bottom + rows * line + height + (rows - 1) * gap
     gpu.state.blend_set("ALPHA")
-    _box(left - 2.0 * gap, margin - gap, right + 4.0 * gap, top + gap, BACK)
+    marks.draw_box(left - 2.0 * gap, margin - gap, right + 4.0 * gap, top + gap, BACK)
     y = top - line
     marks.draw_text(left, y, f"{kind.title()} Distortion (2 is none)", scale)
     y -= gap + height
-    _bar(left, y, width, height)
+    _draw_bar(left, y, width, height)
     y -= line
     for value, text in TICKS:
         x = left + float(share(value)) * width
-        _box(x - 0.5 * scale, y + line - 0.5 * gap, x + 0.5 * scale, y + line, marks.PLAIN)
+        marks.draw_box(x - 0.5 * scale, y + line - 0.5 * gap, x + 0.5 * scale, y + line, marks.PLAIN)
         marks.draw_text(x, y, text, scale, centred=value > 2.0)
     if seen.distortion.flipped:
         y -= line + gap
-        _box(left, y, left + 1.5 * height, y + height, FLIPPED)
+        marks.draw_box(left, y, left + 1.5 * height, y + height, FLIPPED)
         marks.draw_text(left + 1.5 * height + gap, y, f"Flipped: {seen.distortion.flipped}", scale)
     gpu.state.blend_set("NONE")
 
@@ -159,23 +161,19 @@ def _right_edge(context: bpy.types.Context) -> float:
     return context.region.width - (sidebar.width if covers else 0)
 
 
-def _bar(left: float, bottom: float, width: float, height: float) -> None:
-    shares = np.repeat(np.linspace(0.0, 1.0, 33), 2)
-    ends = np.tile([bottom, bottom + height], 33)
-    content = {"pos": np.stack([left + shares * width, ends], axis=1).astype(np.float32)}
-    content["color"] = colours(shares)
-    content["color"][:, 3] = 1.0
+def _draw_bar(left: float, bottom: float, width: float, height: float) -> None:
+    global _bar
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    batch_for_shader(shader, "TRI_STRIP", content).draw(shader)
-
-
-def _box(left: float, bottom: float, right: float, top: float, colour: tuple) -> None:
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    corners = {"pos": [(left, bottom), (right, bottom), (left, top), (right, top)]}
-    batch = batch_for_shader(shader, "TRI_STRIP", corners)
-    shader.bind()
-    shader.uniform_float("color", colour)
-    batch.draw(shader)
+    if _bar is None:
+        shares = np.repeat(np.linspace(0.0, 1.0, 33), 2)
+        content = {"pos": np.stack([shares, np.tile([0.0, 1.0], 33)], axis=1).astype(np.float32)}
+        content["color"] = colours(shares)
+        content["color"][:, 3] = 1.0
+        _bar = batch_for_shader(shader, "TRI_STRIP", content)
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((left, bottom))
+        gpu.matrix.scale((width, height))
+        _bar.draw(shader)
 
 
 def register() -> None:
@@ -186,7 +184,8 @@ def register() -> None:
 
 def unregister() -> None:
     """Draw no more."""
-    global _made
+    global _bar
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
-    _made = None
+    _made.clear()
+    _bar = None
