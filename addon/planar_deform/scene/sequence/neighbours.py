@@ -31,9 +31,12 @@ def around(obj: bpy.types.Object, frame: float) -> tuple[KeyedPose | None, Keyed
     timeline = keyed(obj.data.shape_keys).astype(np.float64)
     if not len(poses) or not len(timeline):
         return None, None
-    distances = np.abs(timeline[:, 1, None] - np.array([pose.at for pose in poses]))
-    nearest = distances.argmin(axis=1)
-    shows = distances.min(axis=1) < SAME_PLACE
+    places = np.empty(len(poses), np.float32)
+    poses.foreach_get("at", places)
+    order = places.argsort()
+    following = np.searchsorted(places[order], timeline[:, 1] - SAME_PLACE)
+    nearest = order[np.minimum(following, len(poses) - 1)]
+    shows = np.abs(timeline[:, 1] - places[nearest]) < SAME_PLACE
     before = np.flatnonzero(shows & (timeline[:, 0] <= frame - SAME_FRAME))
     behind = np.flatnonzero(shows & (timeline[:, 0] >= frame + SAME_FRAME))
 
