@@ -21,24 +21,13 @@ std::vector<int> places(const Mesh& mesh, const std::vector<int>& kept) {
 
 SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
   const std::vector<int> place = places(mesh, kept);
-  SymmetricMatrix graph;
-  graph.size = static_cast<int>(kept.size());
-  std::vector<std::vector<int>> column(kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) column[i].push_back(static_cast<int>(i));
+  std::vector<std::array<int, 2>> edges;
   const auto couple = [&](int a, int b) {
-    const auto [i, j] = std::minmax({place[at(a)], place[at(b)]});
-    if (i >= 0) column[at(i)].push_back(j);
+    if (place[at(a)] >= 0 && place[at(b)] >= 0) edges.push_back({place[at(a)], place[at(b)]});
   };
   for (const auto& edge : mesh.edges) couple(edge[0], edge[1]);
   for (const auto& brace : mesh.braces) couple(brace[1], brace[2]);
-  graph.column_start.push_back(0);
-  for (auto& rows : column) {
-    std::sort(rows.begin(), rows.end());
-    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    graph.row.insert(graph.row.end(), rows.begin(), rows.end());
-    graph.column_start.push_back(static_cast<int>(graph.row.size()));
-  }
-  return graph;
+  return graph_pattern(static_cast<int>(kept.size()), edges);
 }
 
 MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : place_(places(mesh, kept)) {

@@ -3,88 +3,90 @@
 
 #include <algorithm>
 
+#include "base/index.h"
+
 namespace planar {
 
-using Complex = std::complex<double>;
+namespace {
+
+/// `width` frames of a vertex or an edge as the real numbers that they are in memory.
+template <Eigen::Index width>
+using Row = Eigen::Array<double, 1, 2 * width>;
+
+template <Eigen::Index width>
+Eigen::Map<const Row<width>> row_of(const ComplexRows& table, Eigen::Index row, Eigen::Index first) {
+  return Eigen::Map<const Row<width>>(reinterpret_cast<const double*>(&table(row, first)));
+}
+
+template <Eigen::Index width>
+Eigen::Map<Row<width>> row_of(ComplexRows& table, Eigen::Index row, Eigen::Index first) {
+  return Eigen::Map<Row<width>>(reinterpret_cast<double*>(&table(row, first)));
+}
+
+}  // namespace
 
 FrameAssembler::FrameAssembler(const EdgeGraph& graph)
-    : graph_(graph), matrix_(graph.n_vertices, graph.n_vertices) {
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(graph.vertex_count() + graph.edges.size());
-  for (int v = 0; v < graph.n_vertices; ++v) entries.emplace_back(v, v, 1.0);
-  for (const auto& [a, b] : graph.edges) entries.emplace_back(std::max(a, b), std::min(a, b), 1.0);
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  const auto find = [this](int row, int column) {
-    const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
-    const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
-    return static_cast<int>(std::lower_bound(begin, end, row) - matrix_.innerIndexPtr());
-  };
-  for (const auto& [a, b] : graph.edges) entry_.push_back(find(std::max(a, b), std::min(a, b)));
+    : graph_(graph), solver_(SparseSolver::create(default_backend())), place_(graph.vertex_count()) {
+  const std::vector<int> order = solver_->fill_reducing_order(graph_pattern(graph.n_vertices, graph.edges));
+  for (int k = 0; k < graph.n_vertices; ++k) place_[at(order[at(k)])] = k;
+  std::vector<std::array<int, 2>> edges;
+  for (const auto& [a, b] : graph.edges) {
+    const auto [earlier, later] = std::minmax({place_[at(a)], place_[at(b)]});
+    edges.push_back({earlier, later});
+  }
+  matrix_ = graph_pattern(graph.n_vertices, edges);
+  matrix_.value.resize(matrix_.row.size());
+  for (const auto& [earlier, later] : edges) entry_.push_back(matrix_.find(later, earlier));
   int parts_seen = 0;
   for (int v = 0; v < graph.n_vertices; ++v) {
-    diagonal_.push_back(find(v, v));
-    const int part = graph.part[static_cast<std::size_t>(v)];
+    diagonal_.push_back(matrix_.find(place_[at(v)], place_[at(v)]));
+    const int part = graph.part[at(v)];
     if (part == -1) pinned_.push_back(v);
     if (part == parts_seen) {
       pinned_.push_back(v);
       ++parts_seen;
     }
   }
-  factor_.analyzePattern(matrix_);
-  const auto& order = factor_.permutationP().indices();
-  place_.assign(order.data(), order.data() + order.size());
-  if (place_.empty()) {
-    for (int v = 0; v < graph.n_vertices; ++v) place_.push_back(v);
-  }
+  solver_->analyze(matrix_);
 }
 
 void FrameAssembler::factorize(const Eigen::VectorXd& weights) {
   weights_ = weights;
-  double* value = matrix_.valuePtr();
-  std::fill_n(value, matrix_.nonZeros(), 0.0);
+  std::vector<double>& value = matrix_.value;
+  std::fill(value.begin(), value.end(), 0.0);
   for (std::size_t i = 0; i < entry_.size(); ++i) {
     const double w = weights[static_cast<Eigen::Index>(i)];
-    value[entry_[i]] -= w;
-    for (const int v : graph_.edges[i]) value[diagonal_[static_cast<std::size_t>(v)]] += w;
+    value[at(entry_[i])] -= w;
+    for (const int v : graph_.edges[i]) value[at(diagonal_[at(v)])] += w;
   }
   // The right side of a part adds up to 0, so whatever holds one of its vertices holds it at 0 exactly.
   const double hold = weights.mean();
-  for (const int v : pinned_) value[diagonal_[static_cast<std::size_t>(v)]] += hold;
-  factor_.factorize(matrix_);
-  if (factor_.info() != Eigen::Success || !(factor_.vectorD().minCoeff() > 0.0)) {
+  for (const int v : pinned_) value[at(diagonal_[at(v)])] += hold;
+  try {
+    solver_->factorize(matrix_);
+  } catch (const SolveError&) {
     throw SolveError("the frames cannot be assembled: the system of the edges is singular");
   }
-  inverse_diagonal_ = factor_.vectorD().cwiseInverse();
 }
 
 template <Eigen::Index width>
 void FrameAssembler::solve(const ComplexRows& edges, Eigen::Index first, ComplexRows& points) const {
-  using Row = Eigen::Array<double, 1, 2 * width>;
-  std::vector<Row, Eigen::aligned_allocator<Row>> x(graph_.vertex_count(), Row::Zero());
+  RightSides x = RightSides::Zero(graph_.n_vertices, 2 * width);
   for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
     const auto [a, b] = graph_.edges[i];
     const auto row = static_cast<Eigen::Index>(i);
-    const auto* e = reinterpret_cast<const double*>(&edges(row, first));
-    const Row pull = weights_[row] * Eigen::Map<const Row>(e);
-    x[static_cast<std::size_t>(place_[static_cast<std::size_t>(a)])] -= pull;
-    x[static_cast<std::size_t>(place_[static_cast<std::size_t>(b)])] += pull;
+    const Row<width> pull = weights_[row] * row_of<width>(edges, row, first);
+    Eigen::Map<Row<width>>(&x(place_[at(a)], 0)) -= pull;
+    Eigen::Map<Row<width>>(&x(place_[at(b)], 0)) += pull;
   }
-  const auto& lower = factor_.matrixL().nestedExpression();
-  const int* start = lower.outerIndexPtr();
-  const int* row = lower.innerIndexPtr();
-  const double* value = lower.valuePtr();
-  for (std::size_t j = 0; j < x.size(); ++j) {
-    const Row known = x[j];
-    for (int k = start[j]; k < start[j + 1]; ++k) x[static_cast<std::size_t>(row[k])] -= value[k] * known;
-  }
-  for (std::size_t j = x.size(); j-- > 0;) {
-    Row sum = inverse_diagonal_[static_cast<Eigen::Index>(j)] * x[j];
-    for (int k = start[j]; k < start[j + 1]; ++k) sum -= value[k] * x[static_cast<std::size_t>(row[k])];
-    x[j] = sum;
-  }
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    auto* p = reinterpret_cast<double*>(&points(static_cast<Eigen::Index>(v), first));
-    Eigen::Map<Row>{p} = x[static_cast<std::size_t>(place_[v])];
+  solver_->solve(x);
+  place_points<width>(x, first, points);
+}
+
+template <Eigen::Index width>
+void FrameAssembler::place_points(const RightSides& x, Eigen::Index first, ComplexRows& points) const {
+  for (int v = 0; v < graph_.n_vertices; ++v) {
+    row_of<width>(points, v, first) = Eigen::Map<const Row<width>>(&x(place_[at(v)], 0));
   }
 }
 
@@ -94,6 +96,15 @@ void FrameAssembler::assemble(const ComplexRows& edges, Eigen::Index first, Comp
 
 void FrameAssembler::assemble_one(const ComplexRows& edges, ComplexRows& points) const {
   solve<1>(edges, 0, points);
+}
+
+void FrameAssembler::assemble_sums(Eigen::Index first, ComplexRows& points) const {
+  RightSides x(graph_.n_vertices, 2 * lanes);
+  for (int v = 0; v < graph_.n_vertices; ++v) {
+    Eigen::Map<Row<lanes>>(&x(place_[at(v)], 0)) = row_of<lanes>(points, v, first);
+  }
+  solver_->solve(x);
+  place_points<lanes>(x, first, points);
 }
 
 }  // namespace planar

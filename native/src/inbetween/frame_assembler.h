@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <memory>
 
+#include "linear/sparse_solver.h"
 #include "mesh/edge_graph.h"
 
 namespace planar {
 
 /// Places vertices by wanted edge vectors, (10) of Li et al. 2013: minimises Σ w |p_b - p_a - e|². The first
 /// vertex of each part and isolated vertices lie at 0.
-///
-/// The factor is Eigen's, not SparseSolver's: its entries are needed to solve for several frames in one pass
-/// through it, in several threads, which is what makes a thousand frames cheap.
 class FrameAssembler {
  public:
   /// Frames that are solved in one pass; tables of frames have a multiple of it as columns.
@@ -31,19 +29,24 @@ class FrameAssembler {
   /// The same for one frame of one column.
   void assemble_one(const ComplexRows& edges, ComplexRows& points) const;
 
+  /// The same with Σ w e given, over the edges that end at a vertex, less those that begin there: it is in
+  /// `points`, and adds up to 0 in each part.
+  void assemble_sums(Eigen::Index first, ComplexRows& points) const;
+
  private:
   template <Eigen::Index width>
   void solve(const ComplexRows& edges, Eigen::Index first, ComplexRows& points) const;
+  template <Eigen::Index width>
+  void place_points(const RightSides& x, Eigen::Index first, ComplexRows& points) const;
 
   const EdgeGraph& graph_;
   Eigen::VectorXd weights_;
-  Eigen::SparseMatrix<double> matrix_;
+  std::unique_ptr<SparseSolver> solver_;
+  std::vector<int> place_;  ///< of a vertex in the order of the unknowns
+  SymmetricMatrix matrix_;
   std::vector<int> entry_;     ///< of an edge among the values of matrix_
   std::vector<int> diagonal_;  ///< of a vertex
   std::vector<int> pinned_;    ///< the first vertex of each part, and isolated ones
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
-  std::vector<int> place_;  ///< of a vertex in the factor's order
-  Eigen::VectorXd inverse_diagonal_;
 };
 
 }  // namespace planar

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linear/block_product.h"
 
-#include "linear/block_product_kinds.h"
+#include "linear/block_kinds.h"
 #include "linear/block_product_tiles.h"
 
 namespace planar {
@@ -19,7 +19,7 @@ namespace {
 
 auto of_this_processor() {
 #ifdef PLANAR_AVX2
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return lower_product_avx2;
+  if (has_avx2()) return lower_product_avx2;
 #endif
   return lower_product_any;
 }

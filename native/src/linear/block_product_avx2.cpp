@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstring>
 
+#include "linear/block_kinds.h"
 #include "linear/block_product.h"
-#include "linear/block_product_kinds.h"
 
 #ifdef PLANAR_AVX2
 // From here on, after everything that other sources compile as well.

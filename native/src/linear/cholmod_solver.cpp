@@ -99,6 +99,8 @@ class CholmodSolver final : public SparseSolver {
     factor_->solve(x);
   }
 
+  void solve(RightSides& x) const override { factor_->solve(x); }
+
  private:
   [[noreturn]] void fail() const {
     switch (common_.status) {

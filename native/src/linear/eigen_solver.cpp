@@ -37,15 +37,41 @@ class EigenSolver final : public SparseSolver {
 
   void factorize(const SymmetricMatrix& matrix) override {
     factor_.factorize(view(matrix));
-    // LDLᵀ goes through with negative pivots, so the sign has to be looked at.
-    if (factor_.info() != Eigen::Success || !(factor_.vectorD().minCoeff() > 0.0)) {
+    // LDLᵀ goes through with pivots that are negative or not a number.
+    if (factor_.info() != Eigen::Success || !(factor_.vectorD().array() > 0.0).all()) {
       throw SolveError("the system is not positive definite");
     }
   }
 
   void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) override { x = factor_.solve(b); }
 
+  /// Eigen's own goes through the factor for each of them.
+  void solve(RightSides& x) const override {
+    Eigen::Index first = 0;
+    for (; first + 8 <= x.cols(); first += 8) solve_strip<8>(x, first);
+    for (; first + 2 <= x.cols(); first += 2) solve_strip<2>(x, first);
+    for (; first < x.cols(); ++first) solve_strip<1>(x, first);
+  }
+
  private:
+  template <int width>
+  void solve_strip(RightSides& x, Eigen::Index first) const {
+    using Row = Eigen::Array<double, 1, width>;
+    const auto row_of = [&x, first](Eigen::Index i) { return Eigen::Map<Row>(&x(i, first)); };
+    const auto& lower = factor_.matrixL().nestedExpression();  // below the diagonal, which is 1
+    const int *start = lower.outerIndexPtr(), *row = lower.innerIndexPtr();
+    const double* value = lower.valuePtr();
+    for (Eigen::Index j = 0; j < x.rows(); ++j) {
+      const Row known = row_of(j);
+      for (int k = start[j]; k < start[j + 1]; ++k) row_of(row[k]) -= value[k] * known;
+    }
+    for (Eigen::Index j = x.rows(); j-- > 0;) {
+      Row sum = row_of(j) / factor_.vectorD()[j];
+      for (int k = start[j]; k < start[j + 1]; ++k) sum -= value[k] * row_of(row[k]);
+      row_of(j) = sum;
+    }
+  }
+
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
 };
 

@@ -1,14 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linear/sparse_solver.h"
 
+#include <algorithm>
 #include <stdexcept>
 
+#include "base/index.h"
 #include "linear/eigen_solver.h"
 #ifdef PLANAR_CHOLMOD
 #include "linear/cholmod_solver.h"
 #endif
 
 namespace planar {
+
+int SymmetricMatrix::find(int i, int column) const {
+  const auto first = row.begin() + column_start[at(column)], end = row.begin() + column_start[at(column) + 1];
+  return static_cast<int>(std::lower_bound(first, end, i) - row.begin());
+}
+
+SymmetricMatrix graph_pattern(int size, const std::vector<std::array<int, 2>>& edges) {
+  std::vector<std::vector<int>> column(at(size));
+  for (int i = 0; i < size; ++i) column[at(i)].push_back(i);
+  for (const auto& [a, b] : edges) column[at(std::min(a, b))].push_back(std::max(a, b));
+  SymmetricMatrix pattern;
+  pattern.size = size;
+  pattern.column_start.push_back(0);
+  for (auto& rows : column) {
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    pattern.row.insert(pattern.row.end(), rows.begin(), rows.end());
+    pattern.column_start.push_back(static_cast<int>(pattern.row.size()));
+  }
+  return pattern;
+}
 
 #ifdef PLANAR_CHOLMOD
 

@@ -146,4 +146,10 @@ void SupernodalFactor::solve(Eigen::VectorXd& x) {
   }
 }
 
+void SupernodalFactor::solve(RightSides& x) const {
+  const int columns = static_cast<int>(x.cols());
+  for (int s = 0; s < n_blocks(); ++s) solve_forward(finished(s), x.data(), columns);
+  for (int s = n_blocks() - 1; s >= 0; --s) solve_backward(finished(s), x.data(), columns);
+}
+
 }  // namespace planar

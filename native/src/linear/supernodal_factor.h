@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/index.h"
+#include "linear/block_solve.h"
 #include "linear/sparse_solver.h"
 
 namespace planar {
@@ -34,11 +35,16 @@ class SupernodalFactor {
   /// two sweeps for right sides of a few handles.
   void solve(Eigen::VectorXd& x);
 
+  /// The same for a right side a column; in several threads at once if need be.
+  void solve(RightSides& x) const;
+
  private:
   void gather(int s, const SymmetricMatrix& matrix);
   void subtract(int from, int s);
   bool factor_block(int s);
   void queue(int s);
+
+  FactorBlock finished(int s) const { return {value_.data() + start_[at(s)], width(s), height(s), rows(s)}; }
 
   int n_blocks() const { return static_cast<int>(start_.size()); }
   int width(int s) const { return nodes_.first[at(s) + 1] - nodes_.first[at(s)]; }

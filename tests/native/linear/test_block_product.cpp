@@ -4,8 +4,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "linear/block_kinds.h"
 #include "linear/block_product.h"
-#include "linear/block_product_kinds.h"
 
 namespace planar {
 namespace {
@@ -16,7 +16,7 @@ using Product = void (*)(const double*, int, int, int, std::ptrdiff_t, double*);
 std::vector<Product> kinds() {
   std::vector<Product> result{lower_product, lower_product_any};
 #ifdef PLANAR_AVX2
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) result.push_back(lower_product_avx2);
+  if (has_avx2()) result.push_back(lower_product_avx2);
 #endif
   return result;
 }

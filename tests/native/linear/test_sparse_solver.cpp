@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 #include "energy/killing_energy.h"
 #include "linear/sparse_solver.h"
@@ -91,6 +94,71 @@ TEST_P(SparseSolverTest, IndefiniteMatricesFailAndLeaveTheSolverUsable) {
   EXPECT_LT((x - Eigen::VectorXd::Ones(72)).lpNorm<Eigen::Infinity>(), 1e-11);
 }
 
+TEST_P(SparseSolverTest, SeveralRightSidesAreSolvedLikeByADenseFactorization) {
+  for (const int side : {2, 5, 14}) {
+    const Eigen::MatrixXd dense = positive_matrix(side);
+    const auto solver = SparseSolver::create(GetParam());
+    solver->analyze(lower(dense));
+    solver->factorize(lower(dense));
+    const Eigen::LLT<Eigen::MatrixXd> expected(dense);
+    for (const int columns : {0, 1, 2, 3, 4, 7, 8, 9, 16, 31}) {
+      const RightSides right = RightSides::Random(dense.rows(), columns);
+      RightSides x = right;
+      solver->solve(x);
+      // Condition number up to 1e4, a few units in the last place of numbers up to 1e2: 1e-10.
+      EXPECT_TRUE((x - expected.solve(right)).isZero(1e-10)) << side << ' ' << columns;
+    }
+  }
+}
+
+TEST_P(SparseSolverTest, AColumnDependsOnNoOther) {
+  const Eigen::MatrixXd dense = positive_matrix(9);
+  const auto solver = SparseSolver::create(GetParam());
+  solver->analyze(lower(dense));
+  solver->factorize(lower(dense));
+  const RightSides right = RightSides::Random(dense.rows(), 15);
+  RightSides together = right;
+  solver->solve(together);
+  for (Eigen::Index j = 0; j < right.cols(); ++j) {
+    RightSides alone = right.col(j);
+    solver->solve(alone);
+    EXPECT_EQ(alone, together.col(j)) << j;
+  }
+}
+
+TEST_P(SparseSolverTest, ThreadsShareAFactor) {
+  const Eigen::MatrixXd dense = positive_matrix(14);
+  const auto solver = SparseSolver::create(GetParam());
+  solver->analyze(lower(dense));
+  solver->factorize(lower(dense));
+  const RightSides right = RightSides::Random(dense.rows(), 8);
+  RightSides alone = right;
+  solver->solve(alone);
+  std::vector<RightSides> x(4, right);
+  std::vector<std::thread> threads;
+  for (RightSides& own : x) {
+    threads.emplace_back([&solver = std::as_const(*solver), &own, &right] {
+      for (int i = 0; i < 20; ++i) {
+        own = right;
+        solver.solve(own);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const RightSides& own : x) EXPECT_EQ(own, alone);
+}
+
+TEST_P(SparseSolverTest, RefusesPivotsThatAreNoNumbers) {
+  const Eigen::MatrixXd dense = positive_matrix(6);
+  for (const int i : {0, 1, 40, 71}) {
+    SymmetricMatrix matrix = lower(dense);
+    const auto solver = SparseSolver::create(GetParam());
+    solver->analyze(matrix);
+    matrix.value[static_cast<std::size_t>(matrix.find(i, i))] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(solver->factorize(matrix), SolveError) << i;
+  }
+}
+
 TEST_P(SparseSolverTest, SolversInTwoThreadsGiveTheBitsOfOne) {
   const Shape shape = grid(50);
   const Mesh mesh(2500, shape.triangles);
@@ -147,6 +215,15 @@ TEST_P(SparseSolverTest, LargeSystemsAndRightSidesOfAFewNumbers) {
 INSTANTIATE_TEST_SUITE_P(Backends, SparseSolverTest, ::testing::ValuesIn(backends()), [](const auto& kind) {
   return kind.param == Backend::cholmod ? "Cholmod" : "Eigen";
 });
+
+TEST(SparseSolver, PatternsOfGraphsAreFoundInThem) {
+  const SymmetricMatrix pattern = graph_pattern(4, {{{3, 1}}, {{0, 1}}, {{1, 3}}});
+  EXPECT_EQ(pattern.column_start, (std::vector<int>{0, 2, 4, 5, 6}));
+  EXPECT_EQ(pattern.row, (std::vector<int>{0, 1, 1, 3, 2, 3}));
+  EXPECT_EQ(pattern.find(1, 0), 1);
+  EXPECT_EQ(pattern.find(3, 1), 3);
+  EXPECT_EQ(pattern.find(3, 3), 5);
+}
 
 TEST(SparseSolver, MakesTheBackendsOfTheBuildAndNoOther) {
   const std::vector<Backend> present = backends();

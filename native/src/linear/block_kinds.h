@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define PLANAR_AVX2
+#endif
+
+/// What lower_product, solve_forward and solve_backward choose from: the same for any processor, and for
+/// those with AVX2 and FMA.
+namespace planar {
+
+struct FactorBlock;
+
+void lower_product_any(const double* a, int m, int n, int k, std::ptrdiff_t stride, double* c);
+void solve_forward_any(const FactorBlock& block, double* x, int columns);
+void solve_backward_any(const FactorBlock& block, double* x, int columns);
+
+#ifdef PLANAR_AVX2
+void lower_product_avx2(const double* a, int m, int n, int k, std::ptrdiff_t stride, double* c);
+void solve_forward_avx2(const FactorBlock& block, double* x, int columns);
+void solve_backward_avx2(const FactorBlock& block, double* x, int columns);
+
+/// Of the processor that runs this.
+inline bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+#endif
+
+}  // namespace planar

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstring>
+
+#include "linear/block_kinds.h"
+#include "linear/block_solve.h"
+
+#ifdef PLANAR_AVX2
+// From here on, after everything that other sources compile as well.
+#pragma GCC target("avx2,fma")
+#include "linear/block_solve_tiles.h"
+
+namespace planar {
+
+namespace {
+
+void for_wide_strips(double* x, int columns, const auto& solve) {
+  using Four = double __attribute__((vector_size(32)));
+  using Pair = double __attribute__((vector_size(16)));
+  for_strips<Four, Pair, double>(x, columns, columns, solve);
+}
+
+}  // namespace
+
+void solve_forward_avx2(const FactorBlock& block, double* x, int columns) {
+  for_wide_strips(x, columns, [&block](const auto& strip) { strip.forward(block); });
+}
+
+void solve_backward_avx2(const FactorBlock& block, double* x, int columns) {
+  for_wide_strips(x, columns, [&block](const auto& strip) { strip.backward(block); });
+}
+
+}  // namespace planar
+#endif

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+
+#include "linear/block_solve.h"
+
+/// What solve_forward and solve_backward do, for the sources that compile it for one kind of processor each:
+/// everything here is theirs alone, and calls nothing that they could share.
+namespace planar {
+namespace {
+
+/// Rows of the factor that are worked on together: with two vectors of right sides their sums fill half of
+/// the registers.
+constexpr int rows_at_once = 4;
+
+/// Vectors of right sides next to each other, one or two: arrays of them would live in memory.
+template <class Vector, bool two>
+struct Wide {
+  static constexpr int lanes = sizeof(Vector) / sizeof(double);
+
+  explicit Wide(const double* from) {
+    std::memcpy(&first, from, sizeof first);
+    if constexpr (two) std::memcpy(&second, from + lanes, sizeof second);
+  }
+  void store(double* to) const {
+    std::memcpy(to, &first, sizeof first);
+    if constexpr (two) std::memcpy(to + lanes, &second, sizeof second);
+  }
+  void subtract(const Wide& x, double factor) {
+    first -= x.first * factor;
+    if constexpr (two) second -= x.second * factor;
+  }
+  void scale(double factor) {
+    first *= factor;
+    if constexpr (two) second *= factor;
+  }
+
+  Vector first, second;
+};
+
+/// Columns of x of the width of a Wide.
+template <class Columns>
+struct Strip {
+  double* x;
+  std::ptrdiff_t stride;
+
+  double* at(int row) const { return x + row * stride; }
+
+  /// x[to[r]] ← x[to[r]] - Σ_p a[r·next_row + p·next] x[from[p]] for rows_at_once rows r, then
+  /// finish(x[to[0]], ...) before they leave the registers.
+  void subtract_four(const double* a, std::ptrdiff_t next_row, std::ptrdiff_t next, const int* from,
+                     int count, const int* to, const auto& finish) const {
+    static_assert(rows_at_once == 4);
+    Columns x0(at(to[0])), x1(at(to[1])), x2(at(to[2])), x3(at(to[3]));
+    for (int p = 0; p < count; ++p, a += next) {
+      const Columns known(at(from[p]));
+      x0.subtract(known, a[0]);
+      x1.subtract(known, a[next_row]);
+      x2.subtract(known, a[2 * next_row]);
+      x3.subtract(known, a[3 * next_row]);
+    }
+    finish(x0, x1, x2, x3);
+    x0.store(at(to[0]));
+    x1.store(at(to[1]));
+    x2.store(at(to[2]));
+    x3.store(at(to[3]));
+  }
+
+  /// The same for one row.
+  void subtract_one(const double* a, std::ptrdiff_t next, const int* from, int count, int to,
+                    const auto& finish) const {
+    Columns own(at(to));
+    for (int p = 0; p < count; ++p, a += next) own.subtract(Columns(at(from[p])), *a);
+    finish(own);
+    own.store(at(to));
+  }
+
+  void forward(const FactorBlock& b) const {
+    const std::ptrdiff_t next = b.height;
+    int row = 0;
+    for (; row + rows_at_once <= b.width; row += rows_at_once) {
+      const double* d = b.value + row * (next + 1);  // on the diagonal
+      const auto solve = [d, next](Columns& x0, Columns& x1, Columns& x2, Columns& x3) {
+        x0.scale(1.0 / d[0]);
+        x1.subtract(x0, d[1]);
+        x2.subtract(x0, d[2]);
+        x3.subtract(x0, d[3]);
+        x1.scale(1.0 / d[next + 1]);
+        x2.subtract(x1, d[next + 2]);
+        x3.subtract(x1, d[next + 3]);
+        x2.scale(1.0 / d[2 * next + 2]);
+        x3.subtract(x2, d[2 * next + 3]);
+        x3.scale(1.0 / d[3 * next + 3]);
+      };
+      subtract_four(b.value + row, 1, next, b.row, row, b.row + row, solve);
+    }
+    for (; row < b.width; ++row) {
+      const double pivot = b.value[row * (next + 1)];
+      subtract_one(b.value + row, next, b.row, row, b.row[row],
+                   [pivot](Columns& own) { own.scale(1.0 / pivot); });
+    }
+    for (; row + rows_at_once <= b.height; row += rows_at_once) {
+      subtract_four(b.value + row, 1, next, b.row, b.width, b.row + row,
+                    [](Columns&, Columns&, Columns&, Columns&) {});
+    }
+    for (; row < b.height; ++row) {
+      subtract_one(b.value + row, next, b.row, b.width, b.row[row], [](Columns&) {});
+    }
+  }
+
+  void backward(const FactorBlock& b) const {
+    const std::ptrdiff_t next = b.height;
+    int end = b.width;
+    for (; end % rows_at_once != 0; --end) {
+      const double* d = b.value + (end - 1) * (next + 1);
+      subtract_one(d + 1, 1, b.row + end, b.height - end, b.row[end - 1],
+                   [d](Columns& own) { own.scale(1.0 / *d); });
+    }
+    for (; end > 0; end -= rows_at_once) {
+      const int first = end - rows_at_once;
+      const double* d = b.value + first * (next + 1);
+      const auto solve = [d, next](Columns& x0, Columns& x1, Columns& x2, Columns& x3) {
+        x3.scale(1.0 / d[3 * next + 3]);
+        x2.subtract(x3, d[2 * next + 3]);
+        x1.subtract(x3, d[next + 3]);
+        x0.subtract(x3, d[3]);
+        x2.scale(1.0 / d[2 * next + 2]);
+        x1.subtract(x2, d[next + 2]);
+        x0.subtract(x2, d[2]);
+        x1.scale(1.0 / d[next + 1]);
+        x0.subtract(x1, d[1]);
+        x0.scale(1.0 / d[0]);
+      };
+      subtract_four(b.value + first * next + end, next, 1, b.row + end, b.height - end, b.row + first, solve);
+    }
+  }
+};
+
+/// Calls solve(strip) for strips of two vectors, then of one, then of narrower ones.
+template <class Vector, class... Narrower>
+void for_strips(double* x, std::ptrdiff_t stride, int columns, const auto& solve) {
+  constexpr int lanes = sizeof(Vector) / sizeof(double);
+  for (; columns >= 2 * lanes; columns -= 2 * lanes, x += 2 * lanes)
+    solve(Strip<Wide<Vector, true>>{x, stride});
+  if (columns >= lanes) {
+    solve(Strip<Wide<Vector, false>>{x, stride});
+    columns -= lanes;
+    x += lanes;
+  }
+  if constexpr (sizeof...(Narrower) > 0) for_strips<Narrower...>(x, stride, columns, solve);
+}
+
+}  // namespace
+}  // namespace planar
