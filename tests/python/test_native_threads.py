@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The module among threads: solves run without the GIL, and side by side give the same bits as in turn."""
 
+import os
+import signal
 import threading
 import time
 
@@ -114,3 +116,22 @@ def test_other_threads_run_during_a_solve(method):
     begin, end = span
     middle = [wake for wake in wakes if begin + 0.1 * (end - begin) < wake < end - 0.1 * (end - begin)]
     assert len(middle) >= 3
+
+
+def test_a_forked_process_uses_and_drops_objects_of_its_parent():
+    """It has no threads but its own; large enough that the parent's objects have some."""
+    rest, triangles = reference.bar(columns=60, rows=30)
+    poser = planar_native.Poser(rest, triangles)
+    poser.set_handles([0, len(rest) - 1])
+    targets = rest[[0, -1]] + 0.1
+    poser.move(targets)
+    motion = planar_native.Inbetweens([rest, poser.positions], triangles=triangles, threads=2)
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)  # ends it if it waits for a thread that is not there
+        poser.move(targets)
+        motion.at([0.2, 0.4, 0.6, 0.8, 0.9])
+        del poser, motion
+        os._exit(7)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    poser.move(targets)

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "base/thread_count.h"
+
 #ifdef PLANAR_CHOLMOD
 #include <cholmod.h>
 #endif
@@ -21,7 +23,7 @@ BuildInfo build_info() {
   BuildInfo info;
   info.version = PLANAR_VERSION;
   info.eigen = dotted(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
-  info.threads = 2;
+  info.threads = default_threads();
 #ifdef PLANAR_CHOLMOD
   info.backend = "CHOLMOD supernodal LLT";
   info.suitesparse = dotted(SUITESPARSE_MAIN_VERSION, SUITESPARSE_SUB_VERSION, SUITESPARSE_SUBSUB_VERSION);

@@ -30,7 +30,7 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
     const Points& y = frames_[static_cast<std::size_t>(k)];
     const auto start = static_cast<std::size_t>(neighbour);
     tracked_[static_cast<std::size_t>(k)] =
-        trackers[thread]->follow(tracked_[start], frames_[start], y, u[k], tracked_settled);
+        trackers.of(thread).follow(tracked_[start], frames_[start], y, u[k], tracked_settled);
   };
   // Both ways in step, so that progress can be told in this thread.
   for (Eigen::Index k = 1; k <= last / 2; ++k) {
@@ -39,12 +39,12 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
       way == 0 ? step(k, k - 1, thread) : step(last - k, last - k + 1, thread);
     });
   }
-  trackers_ = std::move(trackers);
+  trackers_ = std::make_unique<PerThread<FrameTracker>>(std::move(trackers));
 }
 
 Points FlipRepair::repaired(const Points& y, double u, std::size_t thread) const {
   const auto start = static_cast<std::size_t>(std::round(u * static_cast<double>(tracked_.size() - 1)));
-  return trackers_[thread]->follow(tracked_[start], frames_[start], y, u, settled);
+  return trackers_->of(thread).follow(tracked_[start], frames_[start], y, u, settled);
 }
 
 }  // namespace planar

@@ -27,14 +27,14 @@ class FlipRepair {
   FlipRepair(const EdgeGraph& graph, const Points& from, const Points& to, Eigen::Index steps,
              const Frames& frames, const std::function<void(double)>& progress, ThreadTeam& team);
 
-  bool needed() const { return !trackers_.empty(); }
+  bool needed() const { return trackers_ != nullptr; }
 
   /// The frame at u, which is y before repair. Different threads may call it at once.
   Points repaired(const Points& y, double u, std::size_t thread) const;
 
  private:
-  std::vector<Points> frames_, tracked_;  ///< at uniform u, keys included; before, after repair
-  std::vector<std::unique_ptr<FrameTracker>> trackers_;  ///< one a thread; none if there is nothing to repair
+  std::vector<Points> frames_, tracked_;               ///< at uniform u, keys included; before, after repair
+  std::unique_ptr<PerThread<FrameTracker>> trackers_;  ///< none if there is nothing to repair
 };
 
 }  // namespace planar

@@ -63,15 +63,9 @@ FrameTracker::FrameTracker(const Triangles& triangles, const Points& from, const
   solver_->analyze(matrix_.matrix());
 }
 
-std::vector<std::unique_ptr<FrameTracker>> FrameTracker::one_a_thread(const ThreadTeam& team,
-                                                                      const Triangles& triangles,
-                                                                      const Points& from, const Points& to) {
-  std::vector<std::unique_ptr<FrameTracker>> result;
-  result.reserve(at(team.size()));
-  for (int i = 0; i < team.size(); ++i) {
-    result.push_back(std::make_unique<FrameTracker>(triangles, from, to));
-  }
-  return result;
+PerThread<FrameTracker> FrameTracker::one_a_thread(const ThreadTeam& team, const Triangles& triangles,
+                                                   const Points& from, const Points& to) {
+  return {team, [=] { return std::make_unique<FrameTracker>(triangles, from, to); }};
 }
 
 RestEnergy FrameTracker::energy_at(double u) const {

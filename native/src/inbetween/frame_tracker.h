@@ -10,7 +10,7 @@
 #include "linear/sparse_solver.h"
 #include "mesh/mesh.h"
 #include "mesh/orientation.h"
-#include "parallel/thread_team.h"
+#include "parallel/per_thread.h"
 
 namespace planar {
 
@@ -26,9 +26,8 @@ namespace planar {
 class FrameTracker {
  public:
   /// For the threads of a team, which must not share one.
-  static std::vector<std::unique_ptr<FrameTracker>> one_a_thread(const ThreadTeam& team,
-                                                                 const Triangles& triangles,
-                                                                 const Points& from, const Points& to);
+  static PerThread<FrameTracker> one_a_thread(const ThreadTeam& team, const Triangles& triangles,
+                                              const Points& from, const Points& to);
 
   /// \param triangles of the parts to work on; other vertices stay
   FrameTracker(const Triangles& triangles, const Points& from, const Points& to);

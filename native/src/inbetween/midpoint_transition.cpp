@@ -23,16 +23,6 @@ constexpr Eigen::Index edges_per_task = 512;
 
 Complex direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-/// Calls task(i) for all edges, some hundreds of them in a thread at a time.
-template <typename Task>
-void for_edges(Eigen::Index n_edges, ThreadTeam& team, const Task& task) {
-  const Eigen::Index blocks = (n_edges + edges_per_task - 1) / edges_per_task;
-  team.run(static_cast<std::size_t>(blocks), [&](std::size_t block, std::size_t) {
-    const Eigen::Index first = static_cast<Eigen::Index>(block) * edges_per_task;
-    for (Eigen::Index i = first; i < std::min(first + edges_per_task, n_edges); ++i) task(i);
-  });
-}
-
 }  // namespace
 
 void minimise_midpoint_energy(Eigen::Ref<Eigen::Array<Complex, 1, Eigen::Dynamic, Eigen::RowMajor>> e) {
@@ -77,7 +67,7 @@ MidpointTransition::MidpointTransition(const EdgeGraph& graph, const FrameAssemb
 
   // (13), written so that an edge without length at one end is no special case.
   edges_.resize(n_edges, steps_ + 1);
-  for_edges(n_edges, team, [&](Eigen::Index i) {
+  team.run_blocks(n_edges, edges_per_task, [&](Eigen::Index i) {
     const Complex first = graph.vector(static_cast<std::size_t>(i), from);
     const Complex last = product(graph.vector(static_cast<std::size_t>(i), to), direction(-part_turn(i)));
     const Complex change = product(last, direction(-turns[i])) - first;
@@ -92,7 +82,7 @@ MidpointTransition::MidpointTransition(const EdgeGraph& graph, const FrameAssemb
 
   length_.resize(n_edges, steps_ + 1);
   angle_.resize(n_edges, steps_ + 1);
-  for_edges(n_edges, team, [&](Eigen::Index i) {
+  team.run_blocks(n_edges, edges_per_task, [&](Eigen::Index i) {
     angle_(i, 0) = std::arg(edges_(i, 0));
     length_(i, 0) = std::abs(edges_(i, 0));
     for (Eigen::Index k = 1; k <= steps_; ++k) {
@@ -124,7 +114,7 @@ ComplexRows MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssem
               .abs2()
               .maxCoeff<Eigen::PropagateNaN>();
     });
-    for_edges(edges_.rows(), team, [&](Eigen::Index i) {
+    team.run_blocks(edges_.rows(), edges_per_task, [&](Eigen::Index i) {
       const auto [a, b] = graph.edges[static_cast<std::size_t>(i)];
       edges_.row(i).segment(1, inner) = points.row(b).head(inner) - points.row(a).head(inner);
     });
@@ -134,7 +124,8 @@ ComplexRows MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssem
     if (iteration > 0 && furthest < settings.tolerance) return points;
     if (iteration == settings.max_iterations) return points;
     settings.progress(0.5 * iteration / (iteration + 4.0));  // most transitions take about four
-    for_edges(edges_.rows(), team, [&](Eigen::Index i) { minimise_midpoint_energy(edges_.row(i)); });
+    team.run_blocks(edges_.rows(), edges_per_task,
+                    [&](Eigen::Index i) { minimise_midpoint_energy(edges_.row(i)); });
   }
 }
 
@@ -152,7 +143,7 @@ void MidpointTransition::relax(const EdgeGraph& graph, const Points& from, const
   }
   relax_frames(
       graph, from, to, u, frames, [&](double done) { settings.progress(0.5 + 0.5 * done); }, team);
-  for_edges(edges_.rows(), team, [&](Eigen::Index i) {
+  team.run_blocks(edges_.rows(), edges_per_task, [&](Eigen::Index i) {
     for (Eigen::Index k = 0; k < inner; ++k) {
       edges_(i, k + 1) = graph.vector(static_cast<std::size_t>(i), frames[static_cast<std::size_t>(k)]);
     }

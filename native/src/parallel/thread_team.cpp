@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
+
+#include "base/thread_count.h"
 
 namespace planar {
 
 ThreadTeam::ThreadTeam(int threads) {
-  if (threads == 0) threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
+  threads = threads == 0 ? default_threads() : std::min(threads, most_threads);
   for (int i = 1; i < threads; ++i) workers_.push_back(std::make_unique<Worker>());
 }
 
@@ -23,25 +24,23 @@ void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t, st
     }
   };
   const std::size_t helpers = std::min(workers_.size(), count > 0 ? count - 1 : 0);
-  std::size_t started = 0;
   std::exception_ptr failure;
-  try {
+  const auto note_failure = [&failure](const auto& call) {
+    try {
+      call();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  };
+  std::size_t started = 0;
+  note_failure([&] {
     for (; started < helpers; ++started) {
       workers_[started]->start([&work, thread = started + 1] { work(thread); });
     }
     work(0);
-  } catch (...) {
-    next = count;
-    failure = std::current_exception();
-  }
+  });
   // All of them use this frame, so all have to end before it does.
-  for (std::size_t i = 0; i < started; ++i) {
-    try {
-      workers_[i]->finish();
-    } catch (...) {
-      failure = std::current_exception();
-    }
-  }
+  for (std::size_t i = 0; i < started; ++i) note_failure([&] { workers_[i]->finish(); });
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <condition_variable>
 #include <exception>
 #include <functional>
-#include <mutex>
-#include <thread>
+#include <memory>
 
 namespace planar {
 
 /// One thread that lives as long as the object (a move takes milliseconds, too little to start a thread for)
 /// and does one task at a time. It starts with the first task.
+///
+/// Where no thread is to be had, start() does the task itself: it takes longer, but nothing fails. In a process
+/// that was forked, which has its parent's memory but not its threads, the next task starts a new one; this holds
+/// if no task was under way.
 class Worker {
  public:
-  Worker() = default;
+  Worker();
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
   /// \pre the task before was waited for
-  /// \throw std::system_error the thread cannot be started
   void start(std::function<void()> task);
   /// Returns when the task has ended; does nothing without one.
   void wait() noexcept;
@@ -27,15 +28,12 @@ class Worker {
   void finish();
 
  private:
-  void run();
+  struct Thread;
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::function<void()> task_;
-  std::exception_ptr failure_;
-  bool busy_ = false;
-  bool stopping_ = false;
-  std::thread thread_;
+  Thread* own_thread() noexcept;
+
+  std::unique_ptr<Thread> thread_;
+  std::exception_ptr failure_;  ///< of a task done by start()
 };
 
 }  // namespace planar

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "posing/hold_system.h"
 
-#include <system_error>
 #include <utility>
 
 #include "base/index.h"
@@ -96,14 +95,10 @@ void HoldSystem::factorize_ahead(const Points& x) {
     }
   };
   if (mesh_.n_vertices >= worth_a_thread) {
-    try {
-      worker_.start(task);
-      return;
-    } catch (const std::system_error&) {
-      // No thread to be had: done here.
-    }
+    worker_.start(task);
+  } else {
+    task();
   }
-  task();
 }
 
 void HoldSystem::join() noexcept { worker_.wait(); }

@@ -7,7 +7,6 @@
 #include "inbetween/frame_assembler.h"
 #include "inbetween/inbetween_support.h"
 #include "linear/tridiagonal.h"
-#include "parallel/thread_team.h"
 
 /// The pieces that in-betweening is made of, each against dense algebra or a closed form.
 namespace planar::testing {
@@ -132,26 +131,6 @@ TEST(EdgeTurns, DoNotDependOnTheTrianglesOrientation) {
   }
   const EdgeGraph mixed(shape.vertices.rows(), shape.triangles);
   EXPECT_LT((EdgeTurns(mixed).between(shape.vertices, end) - turns).cwiseAbs().maxCoeff(), 1e-12);
-}
-
-TEST(ThreadTeam, DoesEveryTaskOnceAndPassesOnFailures) {
-  for (const int threads : {1, 2, 5}) {
-    ThreadTeam team(threads);
-    EXPECT_EQ(team.size(), threads);
-    for (const std::size_t count : {0U, 1U, 3U, 100U}) {
-      std::vector<int> done(count);
-      team.run(count, [&](std::size_t i, std::size_t thread) {
-        EXPECT_LT(thread, static_cast<std::size_t>(threads));
-        ++done[i];
-      });
-      EXPECT_EQ(done, std::vector<int>(count, 1));
-    }
-    const auto fail = [](std::size_t i, std::size_t) {
-      if (i == 2) throw SolveError("no");
-    };
-    EXPECT_THROW(team.run(50, fail), SolveError);
-    EXPECT_NO_THROW(team.run(2, fail));
-  }
 }
 
 }  // namespace
