@@ -17,8 +17,4 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
 /// The turn of each edge between two keys, brought into line breadth first from edge to edge (section 4.3).
 Eigen::VectorXd breadth_first_turns(const EdgeGraph& graph, const Points& from, const Points& to);
 
-/// Minimises (9), forward and reverse, over the inner entries of e, with c that of e as it is by (8).
-void minimise_edge_energy(
-    Eigen::Ref<Eigen::Array<std::complex<double>, 1, Eigen::Dynamic, Eigen::RowMajor>> e);
-
 }  // namespace planar

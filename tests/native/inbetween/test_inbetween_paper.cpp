@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "inbetween/edge_equations.h"
 #include "inbetween/inbetween_support.h"
 #include "inbetween/paper_inbetween.h"
 #include "planar/distortion.h"
@@ -185,6 +186,62 @@ TEST_P(Algorithm, ReversedKeysGiveReversedFrames) {
       1e-9);
 }
 
+TEST_P(Algorithm, PartsAndIsolatedVerticesAreEachTheirOwn) {
+  Shape shape = joined(bar(6), moved(grid(3), 2.0, 0.0));
+  shape.vertices.conservativeResize(shape.vertices.rows() + 1, 2);
+  shape.vertices.bottomRows(1) << 5.0, 5.0;
+  Points end = shape.vertices;
+  end.topRows(21) = rolled(shape.vertices.topRows(21), 1.5);
+  end.middleRows(21, 9) = rigid_motion(shape.vertices.middleRows(21, 9), 2.0, 0.3, 0.4);
+  InbetweenOptions options;
+  options.method = GetParam();
+  options.tolerance = 1e-12;
+  const auto frames = inbetween({shape.vertices, end}, uniform(9), shape.triangles, options);
+  const auto bar_alone =
+      inbetween({shape.vertices.topRows(21), end.topRows(21)}, uniform(9), bar(6).triangles, options);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    // Parts have no equation in common; iterations end when the last of them has converged.
+    EXPECT_LT(largest_difference(frames[k].topRows(21), bar_alone[k]), 1e-9) << k;
+    EXPECT_LT((frames[k].bottomRows(1) - shape.vertices.bottomRows(1)).norm(), 1e-12) << k;
+  }
+}
+
+/// From the first moment on, and with a share that grows.
+TEST_P(Algorithm, TellsProgressAndCanBeCancelled) {
+  const Shape shape = bar(60);
+  const Points end = rolled(shape.vertices, 120.0 * degrees);
+  InbetweenOptions options;
+  options.method = GetParam();
+  std::vector<double> shares;
+  options.progress = [&shares](double share) {
+    shares.push_back(share);
+    return true;
+  };
+  const auto frames = inbetween({shape.vertices, end}, uniform(40), shape.triangles, options);
+  EXPECT_EQ(shares.front(), 0.0);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_LE(shares.back(), 1.0);
+  // Several times in an iteration; an iteration takes the share from i/(i+4) to (i+1)/(i+5).
+  EXPECT_GT(std::count_if(shares.begin(), shares.end(), [](double share) { return share < 0.2; }), 2);
+  for (const std::size_t last : {0U, 2U}) {
+    std::size_t calls = 0;
+    options.progress = [&calls, last](double) { return calls++ < last; };
+    EXPECT_THROW(inbetween({shape.vertices, end}, uniform(40), shape.triangles, options), Cancelled);
+    EXPECT_EQ(calls, last + 1);
+  }
+}
+
+TEST_P(Algorithm, NoBitDependsOnTheThreads) {
+  const Shape shape = grid(9);
+  const Points end = rolled(shape.vertices, 1.2);
+  InbetweenOptions options;
+  options.method = GetParam();
+  options.threads = 1;
+  const auto alone = inbetween({shape.vertices, end}, uniform(40), shape.triangles, options);
+  options.threads = 5;
+  EXPECT_EQ(inbetween({shape.vertices, end}, uniform(40), shape.triangles, options), alone);
+}
+
 TEST_P(Algorithm, RefusesMoreThanItSamples) {
   const Shape shape = grid(3);
   const Points& x = shape.vertices;
@@ -196,6 +253,8 @@ TEST_P(Algorithm, RefusesMoreThanItSamples) {
   EXPECT_REFUSAL(inbetween({x, x}, Eigen::VectorXd::Zero(1), shape.triangles, options), "times: ");
   EXPECT_REFUSAL(Inbetweens({x, x}, shape.triangles, options), "method");
   EXPECT_EQ(inbetween({x, x}, uniform(2), shape.triangles, options).size(), 2U);
+  options.smooth = true;
+  EXPECT_REFUSAL(inbetween({x, x}, uniform(3), shape.triangles, options), "smooth");
 }
 
 INSTANTIATE_TEST_SUITE_P(OfThePaper, Algorithm,
