@@ -31,7 +31,8 @@ PUBLIC_ROOM = {
     "planar/log_spiral.h": "posing",
     "planar/poser.h": "posing",
     "planar/inbetween.h": "inbetween",
-    "planar/motion.h": "inbetween",
+    "planar/sequence_edit.h": "inbetween",
+    "planar/transfer.h": "inbetween",
 }
 
 

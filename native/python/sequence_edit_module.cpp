@@ -9,7 +9,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar/motion.h"
+#include "planar/sequence_edit.h"
 
 namespace py = pybind11;
 

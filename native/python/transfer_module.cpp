@@ -6,7 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "planar/motion.h"
+#include "planar/transfer.h"
 
 namespace py = pybind11;
 

@@ -59,6 +59,14 @@ inline double largest_difference(const std::vector<Points>& a, const std::vector
   return largest;
 }
 
+/// A bar that is bent, turned and moved.
+struct Bending {
+  Shape shape = bar(30);
+  std::vector<Points> frames =
+      inbetween({shape.vertices, rigid_motion(rolled(shape.vertices, 200.0 * degrees), 0.4, 2.0, 1.0)},
+                uniform(9), shape.triangles);
+};
+
 /// The sides of a closed contour or, if `open`, all but the last.
 inline Edges contour(int n, bool open = false) {
   Edges edges(open ? n - 1 : n, 2);

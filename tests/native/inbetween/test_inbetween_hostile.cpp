@@ -6,7 +6,8 @@
 #include "inbetween/inbetween_support.h"
 #include "inbetween/paper_inbetween.h"
 #include "planar/distortion.h"
-#include "planar/motion.h"
+#include "planar/sequence_edit.h"
+#include "planar/transfer.h"
 
 /// In-betweens of shapes and numbers that are unusual, but not refused.
 namespace planar::testing {

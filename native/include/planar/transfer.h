@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "planar/inbetween.h"
+#include "planar/types.h"
 
 namespace planar {
 
@@ -26,28 +26,5 @@ std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Poi
 /// The same for edges without faces.
 std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Points& target,
                                     const Edges& edges);
-
-/// A frame that was changed by hand.
-struct FrameEdit {
-  int frame;
-  Points shape;  ///< n×2
-};
-
-/// Spreads changes of single frames over the sequence they are in (section 5.2): edited frames are as given,
-/// and the others keep their motion. With one edit it is the transfer from its frame on, both ways in time.
-/// Between two edits the change of each edge, its turn and scale, goes evenly from one to the other; before
-/// the first and after the last it stays. Parts are shifted likewise.
-///
-/// \param edits in any order; without any the frames come back
-///
-/// \throw std::invalid_argument no frames, mismatched, non-finite or out-of-range input, a frame edited twice
-///
-/// \throw SolveError the frames cannot be assembled
-std::vector<Points> edit_sequence(const std::vector<Points>& frames, const std::vector<FrameEdit>& edits,
-                                  const Triangles& triangles);
-
-/// The same for edges without faces.
-std::vector<Points> edit_sequence(const std::vector<Points>& frames, const std::vector<FrameEdit>& edits,
-                                  const Edges& edges);
 
 }  // namespace planar
