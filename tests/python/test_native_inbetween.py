@@ -156,6 +156,9 @@ def test_progress_can_cancel_and_fail():
         ({"turns": [1, 2]}, "turns"),
         ({"turns": 1000}, "turns"),
         ({"turns": 10**12}, "turns"),
+        ({"turns": -(2**31)}, "turns"),
+        ({"turns": 1, "keys": []}, "keys"),
+        ({"method": "paper", "smooth": True}, "smooth"),
         ({"method": "best"}, "method: 'best'"),
         ({"anchor": [100]}, "anchor, row 0"),
         ({"anchor": [[1], [100]]}, "anchor: 2 sets"),
@@ -184,5 +187,12 @@ def test_edits_are_checked():
         planar_native.edit_sequence(KEYS, {"first": REST}, triangles=TRIANGLES)
     with pytest.raises(ValueError, match="out of range"):
         planar_native.edit_sequence(KEYS, {2: REST}, triangles=TRIANGLES)
+    with pytest.raises(ValueError, match="edits"):
+        planar_native.edit_sequence(KEYS, {2**40: REST}, triangles=TRIANGLES)
     with pytest.raises(ValueError, match=r"edits\[1\]"):
         planar_native.edit_sequence(KEYS, {1: REST[:3]}, triangles=TRIANGLES)
+
+
+def test_more_threads_than_there_may_be_are_not_started():
+    frames = planar_native.inbetween(KEYS, [0.5], triangles=TRIANGLES, threads=2_000_000_000)
+    np.testing.assert_array_equal(frames, planar_native.inbetween(KEYS, [0.5], triangles=TRIANGLES))

@@ -22,7 +22,7 @@ struct Distortion {
 /// rounding are not judged; those of no area at rest have no Jacobian: they count as undistorted (2) and not
 /// flipped.
 ///
-/// \throw std::invalid_argument mismatched, non-finite or out-of-range input
+/// \throw std::invalid_argument mismatched, non-finite or out-of-range input; numbers beyond float32's
 Distortion distortion(const Points& rest, const Points& posed, const Triangles& triangles);
 
 }  // namespace planar

@@ -35,7 +35,7 @@ enum class Outside {
 struct InbetweenOptions {
   InbetweenMethod method = InbetweenMethod::midpoint;
 
-  /// K times of the keys, ascending; empty: 0, 1, ..., K-1.
+  /// K times of the keys, ascending, their differences finite; empty: 0, 1, ..., K-1.
   Eigen::VectorXd key_times{};
 
   /// n×2 rest shape, or empty. It gives the lengths and the box that weights and tolerance refer to, in place
@@ -57,15 +57,15 @@ struct InbetweenOptions {
   /// None at all, one set for all transitions, or K-1 sets.
   std::vector<Edges> joints{};
 
-  /// Velocities are continuous at the keys, too (midpoint only). What is between two keys then depends on the
-  /// two next to them as well, and on the times.
+  /// Velocities are continuous at the keys, too (midpoint only; the others refuse it). What is between two
+  /// keys then depends on the two next to them as well, and on the times.
   bool smooth = false;
 
   /// (11): a solution has converged when no vertex moves by more than this share of the box diagonal.
   double tolerance = 5e-4;
   int max_iterations = 100;
 
-  int threads = 0;  ///< to use; 0: one per core, at most 8. The result does not depend on it
+  int threads = 0;  ///< to use, at most 64; 0: one per core, at most 8. The result does not depend on it
 
   /// Called with the share of the work done, in the caller's thread; false stops by `Cancelled`.
   std::function<bool(double)> progress{};

@@ -31,6 +31,15 @@ void require_finite(const char* name, const Eigen::Ref<const Points>& values) {
   }
 }
 
+void require_float32(const char* name, const Eigen::Ref<const Points>& values) {
+  require_finite(name, values);
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    if (values.row(i).cwiseAbs().maxCoeff() > std::numeric_limits<float>::max()) {
+      throw std::invalid_argument(row_of(name, i) + "beyond what float32 holds");
+    }
+  }
+}
+
 void require_positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i]) || values[i] <= 0.0) {

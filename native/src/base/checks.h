@@ -18,6 +18,8 @@ void require_index(const char* name, Eigen::Index row, const char* kind, Eigen::
                    Eigen::Index count);
 void require_rows(const char* name, Eigen::Index rows, Eigen::Index expected, const char* of);
 void require_finite(const char* name, const Eigen::Ref<const Points>& values);
+/// No coordinate is beyond what float32 holds, as Blender stores it.
+void require_float32(const char* name, const Eigen::Ref<const Points>& values);
 void require_positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>& values);
 
 /// `vertices` and `triangles` make a mesh: finite rows, at least one triangle (the indices are checked by

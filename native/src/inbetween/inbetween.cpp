@@ -81,7 +81,7 @@ struct Inbetweens::State {
   void join_transitions() {
     for (std::size_t k = 1; k < transitions.size(); ++k) {
       const auto key = static_cast<Eigen::Index>(k);
-      const KeyGaps gaps{times[key] - times[key - 1], times[key + 1] - times[key]};
+      const KeyGaps gaps = key_gaps(times[key - 1], times[key], times[key + 1]);
       MidpointTransition::join(transitions[k - 1].edges, transitions[k].edges, gaps);
       PartPlacer::join(transitions[k - 1].placer, transitions[k].placer, gaps);
     }

@@ -58,6 +58,9 @@ Eigen::VectorXd key_times_of(const std::vector<Points>& keys, const InbetweenOpt
     if (k > 0 && options.key_times[k] <= options.key_times[k - 1]) {
       throw std::invalid_argument(row_of("key_times", k) + "must be after the one before");
     }
+    if (k > 0 && !std::isfinite(options.key_times[k] - options.key_times[k - 1])) {
+      throw std::invalid_argument(row_of("key_times", k) + "too far from the one before");
+    }
   }
   return options.key_times;
 }
@@ -110,7 +113,7 @@ Eigen::MatrixXi turns_of(const EdgeGraph& graph, const std::vector<Points>& keys
                                 std::to_string(n_parts) + " (one per part)");
   }
   for (Eigen::Index k = 0; k < turns.rows(); ++k) {
-    if (turns.row(k).cwiseAbs().maxCoeff() > most_turns) {
+    if (turns.row(k).maxCoeff() > most_turns || turns.row(k).minCoeff() < -most_turns) {
       throw std::invalid_argument(row_of("turns", k) + "more than " + std::to_string(most_turns) + " turns");
     }
   }

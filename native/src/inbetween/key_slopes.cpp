@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inbetween/key_slopes.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace planar {
+
+KeyGaps key_gaps(double before, double key, double after) {
+  constexpr double least = 1e-100;  // what moves so much faster stands still for the other
+  const double first = key - before, second = after - key;
+  // A power of two, which rounds nothing.
+  const int unit = std::ilogb(std::max(first, second));
+  return {std::max(std::ldexp(first, -unit), least), std::max(std::ldexp(second, -unit), least)};
+}
 
 double slope_through_key(double a, double b, KeyGaps gaps) {
   if (!(a * b > 0.0)) return 0.0;

@@ -18,14 +18,19 @@ struct SlopeChange {
   }
 };
 
-/// Time from the key before to a key, and on to the next one.
+/// Time from the key before to a key, and on to the next one, in a unit of about the longer of the two:
+/// slopes of keys that are 1e-200 apart would overflow in theirs.
 struct KeyGaps {
   double before, after;
 };
 
+/// Of ascending times whose differences are finite.
+KeyGaps key_gaps(double before, double key, double after);
+
 /// The slope of a quantity through a key that it comes to with slope a and would leave with slope b, both per
-/// unit of time: a weighted harmonic mean, 0 where the signs differ. It is at most three times the lesser of
-/// the two, so that what rests or turns back at the key does so without overshoot (Fritsch and Butland 1984).
+/// unit of the gaps: a weighted harmonic mean, 0 where the signs differ. It is at most three times the lesser
+/// of the two, so that what rests or turns back at the key does so without overshoot (Fritsch and Butland
+/// 1984).
 double slope_through_key(double a, double b, KeyGaps gaps);
 
 /// The same for places: the mean of the two directions at the mean of the speeds.

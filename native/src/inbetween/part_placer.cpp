@@ -144,6 +144,7 @@ Points PartPlacer::place(const ComplexRows& points, Eigen::Index column, double 
     const Complex x = isolated_line_[i].at(u);
     result.row(isolated_[i]) << x.real(), x.imag();
   }
+  if (!result.allFinite()) throw SolveError("the in-betweens overflow: are the keys' numbers sensible?");
   return result;
 }
 

@@ -26,6 +26,7 @@ class PartPlacer {
 
   /// The frame at u, 0 at the first key and 1 at the second, or beyond them: a column of `points` turned by
   /// u·turns.
+  /// \throw SolveError the numbers overflow
   Points place(const ComplexRows& points, Eigen::Index column, double u) const;
 
   /// Shifts the parts of x so that anchors and joints are as they are in `placed`.

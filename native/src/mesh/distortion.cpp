@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 
 #include "base/checks.h"
 #include "mesh/orientation.h"
@@ -12,7 +13,8 @@ namespace planar {
 Distortion distortion(const Points& rest, const Points& posed, const Triangles& triangles) {
   require_mesh("rest", rest, triangles);
   require_rows("posed", posed.rows(), rest.rows(), "vertex of rest");
-  require_finite("posed", posed);
+  require_float32("rest", rest);
+  require_float32("posed", posed);
   require_triangles(rest.rows(), triangles);
 
   const Eigen::VectorXd none = Eigen::VectorXd::Constant(triangles.rows(), 2.0);
@@ -24,13 +26,16 @@ Distortion distortion(const Points& rest, const Points& posed, const Triangles& 
     columns.col(1) = x.row(triangles(t, 2)) - x.row(triangles(t, 0));
     return columns;
   };
+  // Smaller ones have no area in float32.
+  constexpr double least =
+      double{std::numeric_limits<float>::denorm_min()} * std::numeric_limits<float>::denorm_min();
   double total = 0.0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const Eigen::Matrix2d before = sides(rest, t);
     const double weight = std::abs(before.determinant());
-    if (weight == 0.0) continue;
-    const Eigen::Matrix2d jacobian = sides(posed, t) * before.inverse();
-    const double scale = std::abs(jacobian.determinant());
+    if (weight < least) continue;
+    const Eigen::Matrix2d after = sides(posed, t), jacobian = after * before.inverse();
+    const double scale = std::abs(after.determinant()) / weight;  // of thin ones J's entries could overflow
     // σ₁² + σ₂² = |J|², σ₁σ₂ = |det J|
     result.triangle_area[t] = scale + 1.0 / scale;
     result.triangle_angle[t] = scale > 0.0 ? jacobian.squaredNorm() / scale : INFINITY;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "inbetween/inbetween_support.h"
 #include "inbetween/midpoint_transition.h"
@@ -322,8 +323,12 @@ TEST(Inbetween, RefusesWhatItCannotDo) {
   InbetweenOptions options;
   options.key_times = Eigen::Vector2d(1.0, 1.0);
   EXPECT_REFUSAL(call({x, x}, options), "key_times, row 1");
+  options.key_times = Eigen::Vector2d(-1e308, 1e308);
+  EXPECT_REFUSAL(call({x, x}, options), "key_times, row 1: too far");
   options = {};
   options.turns = Eigen::MatrixXi::Constant(1, 1, 101);
+  EXPECT_REFUSAL(call({x, x}, options), "turns, row 0");
+  options.turns(0, 0) = std::numeric_limits<int>::min();
   EXPECT_REFUSAL(call({x, x}, options), "turns, row 0");
   options.turns = Eigen::MatrixXi::Zero(1, 2);
   EXPECT_REFUSAL(call({x, x}, options), "turns has 2 columns");

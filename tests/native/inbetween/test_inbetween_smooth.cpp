@@ -85,6 +85,21 @@ TEST(Smooth, VelocitiesAreContinuousAtTheKeys) {
   }
 }
 
+/// Only ratios of times count, as long as they are numbers.
+TEST(Smooth, KeysMayBeAsNearInTimeAsNumbersAre) {
+  Sequence s = bent();
+  const Eigen::VectorXd times = s.options.key_times;
+  const Points middle = s.solved().at(0.5 * (times[0] + times[1]));
+  for (const double unit : {1e-200, 1e-300, 1e200, 1e307}) {
+    s.options.key_times = unit * times;
+    // Times are rounded to sixteen digits.
+    EXPECT_LT(largest_difference(s.solved().at(0.5 * unit * (times[0] + times[1])), middle), 1e-12) << unit;
+  }
+  s.options.key_times << 0.0, 1e-300, 1.0, 2.0;
+  const Inbetweens uneven = s.solved();
+  for (const double time : {5e-301, 1e-299, 0.5, 1.5}) EXPECT_TRUE(uneven.at(time).allFinite()) << time;
+}
+
 TEST(Smooth, EdgesWithoutFacesAreSmoothToo) {
   const int n = 30;
   Points line(n, 2);

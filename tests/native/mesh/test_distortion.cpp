@@ -92,5 +92,20 @@ TEST(Distortion, RefusesMismatchedInput) {
   EXPECT_THROW(distortion({}, {}, {}), std::invalid_argument);
 }
 
+/// Where it would overflow, which gave numbers that are none.
+TEST(Distortion, RefusesWhatFloat32DoesNotHold) {
+  const Shape shape = grid(3);
+  const Points huge = 1e154 * shape.vertices;
+  EXPECT_REFUSAL(distortion(huge, huge, shape.triangles), "rest, row 0: beyond");
+  EXPECT_REFUSAL(distortion(shape.vertices, huge, shape.triangles), "posed, row 0: beyond");
+  // Too small for it, they are triangles without area.
+  EXPECT_EQ(distortion(1e-154 * shape.vertices, shape.vertices, shape.triangles).area, 2.0);
+  for (const double size : {1e-36, 1e37}) {
+    const Points other = size * shape.vertices;
+    EXPECT_NEAR(distortion(other, other, shape.triangles).area, 2.0, 1e-12);
+    EXPECT_NEAR(distortion(shape.vertices, other, shape.triangles).angle, 2.0, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace planar::testing
