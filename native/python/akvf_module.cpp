@@ -33,12 +33,12 @@ void bind_akvf(py::module_& m) {
 
 The as-Killing-as-possible vector field that follows the handles' velocities.
 
-Solves (7) of Solomon et al. 2011, "As-Killing-As-Possible Vector Fields for Planar Deformation": the least Killing energy
-plus pin_weight times the squared errors at the handles; then, with `dirichlet`, (8): the same energy with the boundary
+Solves [AKVF 7]: the least Killing energy
+plus pin_weight times the squared errors at the handles; then, with `dirichlet`, [AKVF 8]: the same energy with the boundary
 vertices fixed to the first solution.
 
 vertices n x 2, triangles m x 3, handles k (see the module), velocities k x 2 in the unit of the vertices; pin_weight is
-the lambda squared of (7), without unit, ignored where `hard` makes the handles exact; stiffness is a positive factor per
+the lambda squared of [AKVF 7], without unit, ignored where `hard` makes the handles exact; stiffness is a positive factor per
 triangle, m.
 Returns n x 2 velocities. A connected part without a handle stays; one whose handles all lie at one point translates with the
 mean of their velocities. Very thin triangles are stiffened as if they were a little thicker.

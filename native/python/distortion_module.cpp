@@ -51,7 +51,7 @@ void bind_distortion(py::module_& m) {
   m.def("distortion", &py_distortion, py::arg("rest"), py::arg("posed"), py::arg("triangles"),
         R"(distortion(rest, posed, triangles)
 
-Area and angle distortion between two shapes of a mesh (Solomon et al. 2011, section 3.3) and its flipped triangles.
+Area and angle distortion between two shapes of a mesh [AKVF, section 3.3] and its flipped triangles.
 
 rest n x 2, posed n x 2, triangles m x 3. Returns a Distortion; 2 is no distortion, and so count triangles without area at
 rest. Raises ValueError.)");

@@ -167,8 +167,7 @@ void bind_inbetween(py::module_& m) {
       py::arg("threads") = 0, py::arg("progress") = py::none(),
       R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", joints=None, smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
-Shapes between key shapes, as isometric as possible (Li et al. 2013, "Planar shape interpolation using relative velocity
-fields").
+Shapes between key shapes, as isometric as possible [AIAP].
 
 keys K x n x 2, K >= 2; times f, each from the first key's time to the last's; one of triangles m x 3 and edges m x 2 (contours,
 open lines, any edge soup). key_times K, ascending (None: 0..K-1). rest n x 2: lengths and box are taken from it, so that what is
@@ -176,11 +175,11 @@ between two keys depends on no other (None: from the keys' means). turns: extra 
 (K-1) x parts. anchor: vertices whose mean, part by part, moves on anchor_path "straight" or "arc" (None: the centroid of each
 part), or a list of K-1 such sets and None. joints: K-1 arrays k x 2 or None, of layers that hang together: rows of a vertex of the
 carrying part and one of the carried part, which stay next to each other as in the keys. smooth: velocities are continuous at the keys, too; what rests or turns back at a key
-does so without overshoot, and what is between two keys then depends on the ones next to them as well. tolerance of (11), a share of the box diagonal. The result does not depend on threads (0: one per core).
+does so without overshoot, and what is between two keys then depends on the ones next to them as well. tolerance of [AIAP 11], a share of the box diagonal. The result does not depend on threads (0: one per core).
 
 method "midpoint" solves on a grid that depends on the keys alone and samples it: any times give the same frames. Where triangles
 would be flipped though they are not in the keys, the motion between those is tracked so that none is. "paper" and "global" are
-the paper's Algorithms 2 and 1, with its equation (8) corrected: two keys, uniform times.
+the paper's Algorithms 2 and 1, with [AIAP 8] corrected: two keys, uniform times.
 
 progress(share) is called now and then; it answers True, False or None, and False raises Cancelled.
 Returns f x n x 2; at a key's time that key, to the bit. Raises ValueError (shape, dtype, not finite, out of range), SolveError and

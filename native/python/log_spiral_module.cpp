@@ -28,7 +28,7 @@ void bind_log_spiral(py::module_& m) {
 
 Moves each vertex for unit time along the logarithmic spirals that a velocity field draws on its edges.
 
-(14)-(16) of Solomon et al. 2011, as the mean over a vertex's edges of p + u (e^z - 1)/z with z the quotient of velocity and
+[AKVF 14-16], as the mean over a vertex's edges of p + u (e^z - 1)/z with z the quotient of velocity and
 position difference along the edge: a field of rotation turns the mesh rigidly, by any angle below pi.
 
 vertices n x 2, triangles m x 3, velocities n x 2 in the unit of the vertices.

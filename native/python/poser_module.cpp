@@ -109,10 +109,10 @@ Poses a mesh by moving handles. The object keeps the posed shape from one move t
 rest n x 2, triangles m x 3. method "hold" looks for the least distortion of the rest shape, sum over the triangles of
 stiffness area (|J|^2 + |1/J|^2) (symmetric Dirichlet, J from rest to pose) plus pin_weight times the squared distances of the
 handles from their targets, by projected Newton steps in which no triangle inverts. The pose it settles in does not depend on
-the path, except where there are several (an arm wound the other way round). Method "akvf" is the as-Killing-as-possible deformation of Solomon et al. 2011,
-(7), (8), (14)-(16), in substeps in which no triangle inverts, at most 32 in a move; it forgets the rest shape and departs from
+the path, except where there are several (an arm wound the other way round). Method "akvf" is the as-Killing-as-possible deformation
+[AKVF 7, 8, 14-16], in substeps in which no triangle inverts, at most 32 in a move; it forgets the rest shape and departs from
 the paper where patches turn and where triangles are squeezed (planar/poser.h says how). pin_weight has no unit (None: 1000);
-with akvf it is the lambda squared of (7). stiffness is a positive factor per triangle, m.
+with akvf it is the lambda squared of [AKVF 7]. stiffness is a positive factor per triangle, m.
 
     poser = Poser(rest, triangles)
     poser.set_handles([0, 12])

@@ -43,7 +43,7 @@ void bind_sequence_edit(py::module_& m) {
         py::arg("triangles") = py::none(), py::arg("edges") = py::none(),
         R"(edit_sequence(frames, edits, *, triangles=None, edges=None)
 
-Spreads changes of single frames over their sequence (Li et al. 2013, section 5.2).
+Spreads changes of single frames over their sequence [AIAP, section 5.2].
 
 frames f x n x 2; edits {frame number: n x 2}; one of triangles m x 3 and edges m x 2. With one edit every frame takes it on;
 between two it goes evenly from one to the other, so that edits of the first and last frame that change nothing keep them.

@@ -33,7 +33,7 @@ void bind_transfer(py::module_& m) {
         py::arg("triangles") = py::none(), py::arg("edges") = py::none(),
         R"(transfer_motion(frames, target, *, triangles=None, edges=None)
 
-The motion of frames, made by another shape of the same connectivity (Li et al. 2013, section 5.1).
+The motion of frames, made by another shape of the same connectivity [AIAP, section 5.1].
 
 frames f x n x 2; target n x 2, the other shape where the source is frames[0]; one of triangles m x 3 and edges m x 2.
 Returns f x n x 2, the first of which is target. Raises ValueError and SolveError.)");

@@ -10,7 +10,7 @@ struct BuildInfo {
   std::string backend;      ///< sparse factorization: "CHOLMOD supernodal LLT" or "Eigen SimplicialLDLT"
   std::string eigen;        ///< version
   std::string suitesparse;  ///< version, empty without CHOLMOD
-  int threads;              ///< that one solve uses at most, unless more are asked for
+  int threads;              ///< that a solve shares its work out to, unless told otherwise
 };
 
 BuildInfo build_info();

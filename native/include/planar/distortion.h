@@ -5,7 +5,7 @@
 
 namespace planar {
 
-/// Distortion of a map of triangles (Solomon et al. 2011, section 3.3). With σ₁, σ₂ the singular values of a
+/// Distortion of a map of triangles [AKVF, section 3.3]. With σ₁, σ₂ the singular values of a
 /// triangle's Jacobian: area σ₁σ₂ + 1/(σ₁σ₂), angle σ₁/σ₂ + σ₂/σ₁; both are 2 at best and infinite when the
 /// triangle collapses.
 struct Distortion {

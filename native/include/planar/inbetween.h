@@ -17,8 +17,8 @@ struct Cancelled : std::runtime_error {
 
 enum class InbetweenMethod {
   midpoint,  ///< an isometric relation between frames; the keys alone decide, times only sample
-  paper,     ///< Algorithm 2 of Li et al. 2013
-  global,    ///< Algorithm 1 of Li et al. 2013
+  paper,     ///< Algorithm 2 of [AIAP]
+  global,    ///< Algorithm 1 of [AIAP]
 };
 
 enum class AnchorPath {
@@ -61,7 +61,7 @@ struct InbetweenOptions {
   /// keys then depends on the two next to them as well, and on the times.
   bool smooth = false;
 
-  /// (11): a solution has converged when no vertex moves by more than this share of the box diagonal.
+  /// [AIAP 11]: a solution has converged when no vertex moves by more than this share of the box diagonal.
   double tolerance = 5e-4;
   int max_iterations = 100;
 
@@ -71,7 +71,7 @@ struct InbetweenOptions {
   std::function<bool(double)> progress{};
 };
 
-/// Shapes between key shapes, as isometric as possible (Li et al. 2013): solved once, then sampled at any
+/// Shapes between key shapes, as isometric as possible [AIAP]: solved once, then sampled at any
 /// time.
 ///
 /// \code
@@ -88,11 +88,11 @@ struct InbetweenOptions {
 /// 2. Turns are unwrapped on triangles, smallest difference first, and the mean turn of a part is taken out
 /// and put back exactly, so that only bending is approximated.
 ///
-/// 3. The weights 1/|e| of (10) are frozen, at the keys' mean or the rest shape: one factor for all frames
-/// and iterations.
+/// 3. The weights 1/|e| of [AIAP 10] are frozen, at the keys' mean or the rest shape: one factor for all
+/// frames and iterations.
 ///
 /// 4. The unknowns live on a grid between two keys that depends on these two alone. Sampling between its
-/// frames interpolates each edge's length and angle, and assembles by (10).
+/// frames interpolates each edge's length and angle, and assembles by [AIAP 10].
 ///
 /// 5. Edges know lengths only. Two Newton steps take the frames of a mesh's grid towards the shapes in which
 /// triangles are least distorted from what they are in the two keys, blended.

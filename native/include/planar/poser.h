@@ -48,18 +48,17 @@ struct Report {
 ///
 ///   E(x) = Σ_t k_t A_t (|J|² + |J⁻¹|²) + Σ_i μ_i |p_i - target_i|²,   J: rest -> x,
 ///
-/// the symmetric Dirichlet energy (Smith and Schaefer 2015) and a spring for each handle, from the shape that
+/// the symmetric Dirichlet energy [Smith15] and a spring for each handle, from the shape that
 /// is shown: the pose depends on the handles and not on their path, as long as that does not lead into
 /// another minimum (an arm wound the other way round). It descends by projected Newton: the Hessian of each
-/// triangle without its negative eigenvalues (Smith et al. 2019, "Analytic eigensystems for isotropic
-/// distortion energies"), one factor for several steps, each at most 0.8 of the way to where a triangle
-/// collapses, with Armijo's rule. Departures and additions:
+/// triangle without its negative eigenvalues [Smith19], one factor for several steps, each at most 0.8 of the
+/// way to where a triangle collapses, with Armijo's rule. Departures and additions:
 ///
 /// 1. A part whose handles' targets are a rigid motion of where they are, for the most part, makes that
 /// motion first. It costs no energy, and Newton steps, being linear, would have to inflate what turns.
 ///
 /// 2. Where a triangle would collapse within a tenth of a Newton step, the step is one in the metric of the
-/// Killing energy of the mesh as it is (Claici et al. 2017), which has the same sparsity.
+/// Killing energy of the mesh as it is [Claici17], which has the same sparsity.
 ///
 /// 3. Where the energy falls along a step for longer than its Hessian expects, the step is prolonged, up to
 /// ten times; where full steps of under 5e-3 of the diagonal do not get shorter, the Hessian is tried without
@@ -67,7 +66,7 @@ struct Report {
 ///
 /// 4. No triangle that lies as at rest is turned over, not even by rounding to float32: steps that would are
 /// shortened. Triangles that are inverted in the positions given to reset() have the foldover-free energy of
-/// Garanzha et al. 2021 until they come right.
+/// [Garanzha21] until they come right.
 ///
 /// 5. Triangles flat at rest have no J and get springs instead; see rest_energy.h.
 ///
@@ -77,20 +76,20 @@ struct Report {
 /// After a move, the factor for the next ones is made in a thread of the object's own, if it is due; the next
 /// call waits for it. What is due is counted, not timed: results do not depend on threads.
 ///
-/// Method akvf is the step of Solomon et al. 2011, killing_field then advance_along_spirals, from where the
+/// Method akvf is the step of [AKVF], killing_field then advance_along_spirals, from where the
 /// handles are to their targets, so that errors do not add up. Departures:
 ///
 /// 1. A patch, or all handles of a part, whose targets are a turn of where they are get the velocities of
 /// that turn; the differences would shrink what is turned.
 ///
-/// 2. (8) smooths point handles only, as it would lose the turn of a patch that lies inside.
+/// 2. [AKVF 8] smooths point handles only, as it would lose the turn of a patch that lies inside.
 ///
-/// 3. Triangles squeezed to less than about 0.38 of their rest width are stiffened, and where (16) would take
-/// 30 % of a triangle's area in a substep, its vertices share the mean of their factors φ. The paper's step
-/// inverts triangles on most large poses.
+/// 3. Triangles squeezed to less than about 0.38 of their rest width are stiffened, and where [AKVF 16] would
+/// take 30 % of a triangle's area in a substep, its vertices share the mean of their factors φ. The paper's
+/// step inverts triangles on most large poses.
 ///
 /// 4. A part whose handles have further to go, on average, than the rest's box diagonal first makes that way
-/// without any deformation: (16) multiplies the way by factors φ that differ from vertex to vertex.
+/// without any deformation: [AKVF 16] multiplies the way by factors φ that differ from vertex to vertex.
 ///
 /// Sizes and places: positions are worked on relative to the middle of the rest shape, so that a rest far
 /// from the origin is posed as one near it. Blender stores float32, which tells coordinates apart to 1/2²³ of

@@ -13,10 +13,10 @@ struct FrameEdit {
   Points shape;  ///< n×2
 };
 
-/// Spreads changes of single frames over the sequence they are in (section 5.2): edited frames are as given,
-/// and the others keep their motion. With one edit it is the transfer from its frame on, both ways in time.
-/// Between two edits the change of each edge, its turn and scale, goes evenly from one to the other; before
-/// the first and after the last it stays. Parts are shifted likewise.
+/// Spreads changes of single frames over the sequence they are in [AIAP, section 5.2]: edited frames are as
+/// given, and the others keep their motion. With one edit it is the transfer from its frame on, both ways in
+/// time. Between two edits the change of each edge, its turn and scale, goes evenly from one to the other;
+/// before the first and after the last it stays. Parts are shifted likewise.
 ///
 /// \param edits in any order; without any the frames come back
 ///

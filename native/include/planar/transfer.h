@@ -7,15 +7,15 @@
 
 namespace planar {
 
-/// The motion of `frames` (f shapes, n×2), made by another shape with the same connectivity (Li et al. 2013,
-/// section 5.1): target (n×2) is its shape where frames[0] is the source's.
+/// The motion of `frames` (f shapes, n×2), made by another shape with the same connectivity
+/// [AIAP, section 5.1]: target (n×2) is its shape where frames[0] is the source's.
 ///
 /// Each edge takes over the source's velocity, turned and scaled as the target's edge is to the source's in
-/// the first frame (14). Equation (15), with the first frame fixed and its velocity times the time step,
-/// which is missing in print, is then met exactly: ẽ[k] = S̃ e[k]. Frames are assembled by (10), with weights
-/// 1/|ẽ| frozen at the target's. The paper leaves translation out: here the centroid of each part moves as
-/// the source's, turned and scaled as the target is to the source as a whole. A motion transferred onto its
-/// own shape comes back.
+/// the first frame [AIAP 14]. [AIAP 15], with the first frame fixed and its velocity times the time step,
+/// which is missing in print, is then met exactly: ẽ[k] = S̃ e[k]. Frames are assembled by [AIAP 10], with
+/// weights 1/|ẽ| frozen at the target's. The paper leaves translation out: here the centroid of each part
+/// moves as the source's, turned and scaled as the target is to the source as a whole. A motion transferred
+/// onto its own shape comes back.
 ///
 /// \throw std::invalid_argument no frames, mismatched, non-finite or out-of-range input
 ///

@@ -11,7 +11,8 @@
 ///  - `SolveError` reports a numerical failure; after any exception an object is as it was before the call;
 ///  - nothing prints, exits or keeps global state; one object is used by one thread at a time, objects are
 ///  independent;
-///  - equal input gives equal bits.
+///  - equal input gives equal bits;
+///  - [AKVF 8] is equation (8) of the paper with that key in docs/references.md.
 namespace planar {
 
 /// n×2 positions or velocities, one row a vertex.

@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// The matrix K = PᵀP of the Killing energy ∫|J + Jᵀ|² (Solomon et al. 2011, (2) and (5)-(7)) over some
+/// The matrix K = PᵀP of the Killing energy ∫|J + Jᵀ|² [AKVF 2, 5-7] over some
 /// vertices of a mesh. Per triangle, with Gx, Gy the gradients of the hat functions, P = √A·[2Gx 0; √2·Gy
 /// √2·Gx; 0 2Gy]; printed without the integral's area and with the full G in every entry, it would give
 /// rotations energy. K does not depend on the unit of length.

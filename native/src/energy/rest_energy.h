@@ -15,22 +15,21 @@ namespace planar {
 ///
 ///   E(x) = Σ k_t A_t (|J|² + |J⁻¹|² - 4),   J: rest -> x,
 ///
-/// with A_t the areas at rest; 0 for rigid motions, infinite where a triangle collapses. (Smith and Schaefer
-/// 2015, "Bijective parameterization with free boundaries".) Only the orientation relative to rest counts.
+/// with A_t the areas at rest; 0 for rigid motions, infinite where a triangle collapses. [Smith15] Only the
+/// orientation relative to rest counts.
 ///
 /// In complex numbers J is z -> a z + b z̄, |J|² = s = 2(|a|² + |b|²), det J = δ = |a|² - |b|², and a
 /// triangle's energy is s ψ(δ) with ψ = 1 + δ⁻². Its Hessian in J is diagonal in the directions along and
-/// across a and b, but for a coupling of the two along: the eigensystem of Smith et al. 2019, "Analytic
-/// eigensystems for isotropic distortion energies", without a singular value decomposition. Of its
-/// eigenvalues only that of the twist, across a, can be negative.
+/// across a and b, but for a coupling of the two along: the eigensystem of [Smith19], without a singular
+/// value decomposition. Of its eigenvalues only that of the twist, across a, can be negative.
 ///
 /// Triangles that are flat at rest, below 1e-5 of their longest edge squared, have no usable J unless they
 /// are thick enough for Orientation to judge them. They get springs that follow them, k c Σ_edges |e - R
 /// e_rest|² with R the best rotation and a small c, which hold their corners in place and can be turned over
 /// without harm.
 ///
-/// Triangles that are inverted to begin with (relax()) have the χ of Garanzha et al. 2021, "Foldover-free
-/// maps in 50 lines of code", in place of δ: finite energy, and a force that turns them back.
+/// Triangles that are inverted to begin with (relax()) have the χ of [Garanzha21] in place of δ: finite
+/// energy, and a force that turns them back.
 class RestEnergy {
  public:
   /// \param matrix what add_hessian() will add to; its elements give the triangles

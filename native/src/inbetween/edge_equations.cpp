@@ -13,7 +13,8 @@ using Complex = std::complex<double>;
 
 namespace {
 
-/// Δt c of (8) at the first and at the second frame of a pair: by the forward and by the backward difference.
+/// Δt c of [AIAP 8] at the first and at the second frame of a pair: by the forward and by the backward
+/// difference.
 struct Rates {
   Rates(Complex first, Complex second) {
     const double area = product(std::conj(first), second).imag();

@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// Places vertices by wanted edge vectors, (10) of Li et al. 2013: minimises Σ w |p_b - p_a - e|². The first
+/// Places vertices by wanted edge vectors, [AIAP 10]: minimises Σ w |p_b - p_a - e|². The first
 /// vertex of each part and isolated vertices lie at 0.
 class FrameAssembler {
  public:

@@ -9,16 +9,16 @@
 
 namespace planar {
 
-/// (6) for all inner frames at once, with c by (8) of the edges as they are: A x = b with
+/// [AIAP 6] for all inner frames at once, with c by [AIAP 8] of the edges as they are: A x = b with
 ///
 ///   A = Σ (d dᵀ) ⊗ M,  b = Σ d ⊗ r,  over the edges,
 ///
-/// d = -1 and 1 at an edge's ends, M and r the edge's equations of (9), a row and column a frame. Unknowns
-/// may be shifted frame by frame. By conjugate gradients with P = Σ (d dᵀ) ⊗ M̄ in place of A, where M̄ is the
-/// mean of the edges' M in a part: one factor for the shape and one for time. P is A where a part turns as a
-/// whole; where it bends by θ, eigenvalues of P⁻¹A lie between some 1/(1 + 2θ²/π²) and 2, so that some twenty
-/// steps do. A sparse factor of A itself fills in like that of a mesh in space: it took 90 s at 1900
-/// vertices.
+/// d = -1 and 1 at an edge's ends, M and r the edge's equations of [AIAP 9], a row and column a frame.
+/// Unknowns may be shifted frame by frame. By conjugate gradients with P = Σ (d dᵀ) ⊗ M̄ in place of A, where
+/// M̄ is the mean of the edges' M in a part: one factor for the shape and one for time. P is A where a part
+/// turns as a whole; where it bends by θ, eigenvalues of P⁻¹A lie between some 1/(1 + 2θ²/π²) and 2, so that
+/// some twenty steps do. A sparse factor of A itself fills in like that of a mesh in space: it took 90 s at
+/// 1900 vertices.
 class GlobalStep {
  public:
   GlobalStep(const EdgeGraph& graph, ThreadTeam& team);

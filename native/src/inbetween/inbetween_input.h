@@ -21,7 +21,8 @@ std::vector<Points> references_of(const std::vector<Points>& keys, const Inbetwe
 /// The largest box diagonal of some shapes.
 double diagonal_of(const std::vector<Points>& shapes);
 
-/// 1/|e| of (10), an edge's lengths in some shapes averaged, and held to a ten-thousandth of the mean edge.
+/// 1/|e| of [AIAP 10], an edge's lengths in some shapes averaged, and held to a ten-thousandth of the mean
+/// edge.
 Eigen::VectorXd frozen_weights(const EdgeGraph& graph, const std::vector<Points>& shapes);
 
 /// options.turns as (K-1)×parts.

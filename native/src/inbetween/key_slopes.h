@@ -29,8 +29,7 @@ KeyGaps key_gaps(double before, double key, double after);
 
 /// The slope of a quantity through a key that it comes to with slope a and would leave with slope b, both per
 /// unit of the gaps: a weighted harmonic mean, 0 where the signs differ. It is at most three times the lesser
-/// of the two, so that what rests or turns back at the key does so without overshoot (Fritsch and Butland
-/// 1984).
+/// of the two, so that what rests or turns back at the key does so without overshoot [Fritsch84].
 double slope_through_key(double a, double b, KeyGaps gaps);
 
 /// The same for places: the mean of the two directions at the mean of the speeds.

@@ -65,7 +65,7 @@ MidpointTransition::MidpointTransition(const EdgeGraph& graph, const FrameAssemb
   const double wanted = std::ceil(most / largest_turn - 1e-6);
   steps_ = std::clamp(static_cast<Eigen::Index>(std::min(wanted, 1e3)), fewest_steps, most_steps);
 
-  // (13), written so that an edge without length at one end is no special case.
+  // [AIAP 13], written so that an edge without length at one end is no special case.
   edges_.resize(n_edges, steps_ + 1);
   team.run_blocks(n_edges, edges_per_task, [&](Eigen::Index i) {
     const Complex first = graph.vector(static_cast<std::size_t>(i), from);

@@ -22,7 +22,7 @@ void minimise_midpoint_energy(
 class MidpointTransition {
  public:
   struct Settings {
-    double tolerance;  ///< of (11), in the unit of the positions
+    double tolerance;  ///< of [AIAP 11], in the unit of the positions
     int max_iterations;
     std::function<void(double)> progress;  ///< share of the work done; may throw
   };

@@ -49,7 +49,7 @@ void require_uniform(const Eigen::VectorXd& times, const Eigen::VectorXd& key_ti
   }
 }
 
-/// (13), written so that an edge without length at one end is no special case.
+/// [AIAP 13], written so that an edge without length at one end is no special case.
 ComplexRows first_edges(const EdgeGraph& graph, const Points& from, const Points& to,
                         const Eigen::VectorXd& turns, Eigen::Index last) {
   ComplexRows edges(turns.size(), last + 1);
@@ -66,7 +66,7 @@ ComplexRows first_edges(const EdgeGraph& graph, const Points& from, const Points
   return edges;
 }
 
-/// (10) for each inner frame, with its own weights. Columns of `points` are frames.
+/// [AIAP 10] for each inner frame, with its own weights. Columns of `points` are frames.
 class LocalStep {
  public:
   LocalStep(const EdgeGraph& graph, ThreadTeam& team)
@@ -93,7 +93,7 @@ class LocalStep {
     }
   }
 
-  /// (8) and (9), from the edges of the assembled frames.
+  /// [AIAP 8] and [AIAP 9], from the edges of the assembled frames.
   void relax(ComplexRows& edges) {
     team_.run_blocks(edges.rows(), edges_per_task,
                      [&](Eigen::Index i) { minimise_edge_energy(edges.row(i)); });

@@ -53,7 +53,7 @@ class Centroids {
   std::vector<double> count_;
 };
 
-/// Frames assembled from edge vectors, (10) of Li et al. 2013 with weights frozen at `references`.
+/// Frames assembled from edge vectors, [AIAP 10] with weights frozen at `references`.
 ///
 /// \param edges_of fills a column with the edge vectors of a frame; called in several threads
 ///

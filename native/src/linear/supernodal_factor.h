@@ -20,7 +20,7 @@ struct Supernodes {
   std::vector<int> row;
 };
 
-/// The numbers of a sparse LLᵀ, left-looking by blocks (Ng and Peyton 1993), in the calling thread. Takes 0.2
+/// The numbers of a sparse LLᵀ, left-looking by blocks [Ng93], in the calling thread. Takes 0.2
 /// to 0.55 of the time of CHOLMOD's own with OpenBLAS 0.3.21 on meshes of 1k to 100k vertices (0.3 to 1.3 on
 /// processors without AVX2): the blocks of a mesh in the plane are small, so that BLAS calls and OpenMP
 /// regions cost more than the arithmetic, and two threads that factor wait for each other in both.

@@ -22,7 +22,7 @@ struct Pin {
   // What follows belongs to the solve under way.
   Eigen::RowVector2d position;
   Eigen::RowVector2d velocity;  ///< mean of its rows, relative to the rigid field of its part
-  Eigen::RowVector2d force;     ///< with which it pulls in the solution of (7)
+  Eigen::RowVector2d force;     ///< with which it pulls in the solution of [AKVF 7]
 };
 
 /// One pin for each point that has handles, the strongest of them giving its strength. Pins on isolated

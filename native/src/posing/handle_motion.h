@@ -14,7 +14,7 @@ struct MovingTogether {
 };
 
 /// Velocities (k×2) that take handles in unit time from where they are (k×2) to their targets (k×2). They are
-/// the differences (Solomon et al. 2011, section 2.4), except for handles that move together: those get the
+/// the differences [AKVF, section 2.4], except for handles that move together: those get the
 /// velocities of the rigid motion nearest to their targets, and the differences for what it leaves. The
 /// differences alone would shrink a patch that is turned, by 3 % at 15° and to a point at 180°. Of several
 /// sets with a handle the first one that applies counts for it; what a set's motion is does not depend on

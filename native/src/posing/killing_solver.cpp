@@ -166,8 +166,9 @@ void KillingSolver::factor_inside() {
 
 void KillingSolver::solve(const Points& velocities, Points& field) {
   prepared_ = false;  // should anything fail
-  // K is zero on rigid fields, so (7) is solved for what is left of the velocities after each part's best
-  // rigid field. Rigid motions are exact this way, and parts that (7) leaves undetermined have nothing left.
+  // K is zero on rigid fields, so [AKVF 7] is solved for what is left of the velocities after each part's
+  // best rigid field. Rigid motions are exact this way, and parts that [AKVF 7] leaves undetermined have
+  // nothing left.
   fit_rigid_fields(velocities);
   if (any_bent_) {
     all_->finish();
@@ -225,8 +226,8 @@ void KillingSolver::solve_soft() {
 }
 
 // U minimises E_K subject to C U = u. With A = K + CᵀC and Z = A⁻¹Cᵀ it is U = Z m, (C Z) m = u: A U + Cᵀμ =
-// Cᵀu for some multipliers μ, hence U is in the span of Z. The same pattern as (7), and exact. The pull of
-// the handles is K U = Cᵀ(m - u). Of Z only C Z is kept: U = A⁻¹ Cᵀm costs one solve more.
+// Cᵀu for some multipliers μ, hence U is in the span of Z. The same pattern as [AKVF 7], and exact. The pull
+// of the handles is K U = Cᵀ(m - u). Of Z only C Z is kept: U = A⁻¹ Cᵀm costs one solve more.
 void KillingSolver::solve_hard() {
   std::vector<Pin*> active;
   for (Pin& pin : pins_) {
@@ -267,9 +268,9 @@ void KillingSolver::solve_hard() {
   all_->solver->solve(unknown, unknown);
 }
 
-// (8) with U = U° + d, d = 0 on the boundary: K_II d = -(K U°)_I, and by (7) K U° is zero but at the handles.
-// Where no handle lies inside, d = 0. Elsewhere this is also more accurate than moving the boundary's values
-// to the right side.
+// [AKVF 8] with U = U° + d, d = 0 on the boundary: K_II d = -(K U°)_I, and by [AKVF 7] K U° is zero but at
+// the handles. Where no handle lies inside, d = 0. Elsewhere this is also more accurate than moving the
+// boundary's values to the right side.
 void KillingSolver::correct_interior() {
   Eigen::VectorXd& unknown = inside_->unknown;
   unknown.setZero();

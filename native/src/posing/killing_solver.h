@@ -32,9 +32,9 @@ class KillingSolver {
   ///
   /// \param weights k: λ² of each handle
   ///
-  /// \param patch k flags, or empty: handles that (8) is not to smooth away. Smoothing is for handles that
-  /// pull at a single point of the interior; a patch spreads its pull, and (8) would lose the turn of a patch
-  /// that lies inside.
+  /// \param patch k flags, or empty: handles that [AKVF 8] is not to smooth away. Smoothing is for handles
+  /// that pull at a single point of the interior; a patch spreads its pull, and [AKVF 8] would lose the turn
+  /// of a patch that lies inside.
   ///
   /// \throw std::invalid_argument a handle is not inside a triangle, edge or vertex of the mesh
   std::vector<Pin> compile(const Handles& handles, const Eigen::VectorXd& weights,
@@ -106,9 +106,9 @@ class KillingSolver {
   std::vector<RigidField> rigid_;  ///< per part
   std::vector<char> bent_;         ///< per part: its pins ask for more than a rigid field can give
   bool any_bent_ = false;
-  bool correct_ = false;          ///< (8) changes something
-  std::optional<System> all_;     ///< of (7)
-  std::optional<System> inside_;  ///< of (8), the interior vertices
+  bool correct_ = false;          ///< [AKVF 8] changes something
+  std::optional<System> all_;     ///< of [AKVF 7]
+  std::optional<System> inside_;  ///< of [AKVF 8], the interior vertices
 };
 
 }  // namespace planar
