@@ -53,8 +53,8 @@ void bind_distortion(py::module_& m) {
 
 Area and angle distortion between two shapes of a mesh [AKVF, section 3.3] and its flipped triangles.
 
-rest n x 2, posed n x 2, triangles m x 3. Returns a Distortion; 2 is no distortion, and so count triangles without area at
-rest. Raises ValueError.)");
+rest n x 2, posed n x 2, triangles m x 3. Returns a Distortion; 2 is no distortion, and so count triangles that
+nobody can see at rest (area below 1e-6 of the median one of their part, or altitude below 1e-3). Raises ValueError.)");
 }
 
 }  // namespace planar::python

@@ -97,7 +97,7 @@ void bind_poser(py::module_& m) {
               "Triangles of opposite orientation than at rest, judged on float32-rounded positions.")
           .def_readonly("converged", &Report::converged,
                         "Whether nothing is left to do: with hold a full Newton step is below 1e-5 of the "
-                        "diagonal of the rest's box, with akvf furthest_handle is at most 1e-3 of it.")
+                        "rest's diameter, with akvf furthest_handle is at most 1e-3 of it.")
           .def("__repr__", &report_text);
   report_class.attr("__module__") = "planar_native";
 
@@ -143,7 +143,7 @@ n x 2. Raises ValueError and SolveError; the shape is then the one before the ca
           R"(refine()
 
 One more bounded piece of work towards the last targets, about as much as a move, in which no vertex moves by more than 2 % of
-the diagonal of the rest's box; for the frames after the mouse has come to rest, until report.converged. Without targets it does
+the rest's diameter; for the frames after the mouse has come to rest, until report.converged. Without targets it does
 nothing. Returns the new positions, n x 2. Raises SolveError; the shape is then the one before the call.)")
       .def(
           "settle",

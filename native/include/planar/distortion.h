@@ -18,9 +18,9 @@ struct Distortion {
 };
 
 /// Distortion from `rest` (n×2) to `posed` (n×2). Flips are judged on positions rounded to float32, which is
-/// what Blender stores. Triangles at rest thinner than that
-/// rounding are not judged; those of no area at rest have no Jacobian: they count as undistorted (2) and not
-/// flipped.
+/// what Blender stores. Triangles that nobody can see at rest (area below 1e-6 of the median one of their
+/// part, or altitude below 1e-3 of the median one, or below what float32 tells) have no Jacobian to speak of:
+/// they count as undistorted (2), with no weight in the means, and not flipped.
 ///
 /// \throw std::invalid_argument mismatched, non-finite or out-of-range input; numbers beyond float32's
 Distortion distortion(const Points& rest, const Points& posed, const Triangles& triangles);

@@ -28,8 +28,8 @@ struct Report {
   double furthest_handle = 0.0;  ///< largest distance of a handle from its target, in the positions' unit
   int flipped = 0;               ///< triangles inverted relative to the rest shape, judged as in `distortion`
 
-  /// hold: a full Newton step is at most 1e-5 of the rest's box diagonal, so that nothing is left to do,
-  /// however far the handles are; akvf: furthest_handle is at most 1e-3 of that diagonal
+  /// hold: a full Newton step is at most 1e-5 of the rest's diameter, so that nothing is left to do,
+  /// however far the handles are; akvf: furthest_handle is at most 1e-3 of that
   bool converged = true;
 };
 
@@ -61,14 +61,17 @@ struct Report {
 /// Killing energy of the mesh as it is [Claici17], which has the same sparsity.
 ///
 /// 3. Where the energy falls along a step for longer than its Hessian expects, the step is prolonged, up to
-/// ten times; where full steps of under 5e-3 of the diagonal do not get shorter, the Hessian is tried without
-/// projection. Projection alone is too stiff under compression, and takes a hundred steps to settle then.
+/// ten times; where full steps of under 5e-3 of the diameter do not get shorter, the Hessian gets as much of
+/// its negative curvature back as leaves it positive definite; and long descents have conjugate directions.
+/// Projection alone is too stiff under compression and near saddles, and takes a hundred steps to settle
+/// then.
 ///
 /// 4. No triangle that lies as at rest is turned over, not even by rounding to float32: steps that would are
 /// shortened. Triangles that are inverted in the positions given to reset() have the foldover-free energy of
 /// [Garanzha21] until they come right.
 ///
-/// 5. Triangles flat at rest have no J and get springs instead; see rest_energy.h.
+/// 5. Triangles that nobody can see at rest, with an area below 1e-6 of the median one or an altitude below
+/// 1e-3 of the median one, have no J to speak of and get springs instead; they stop no step.
 ///
 /// Handles do not always say how a part is to be turned: a single one does not, nor do handles in one place,
 /// on targets in one place or mirrored. Then the fit of that motion (rigid_fit.h) turns nothing.
@@ -143,7 +146,7 @@ class Poser {
   const Points& settle();
 
   /// One bounded piece of work towards the last targets, about as much as a move, in which no vertex moves by
-  /// more than 2 % of the rest's box diagonal; report().converged says when nothing is left to do. Without
+  /// more than 2 % of the rest's diameter; report().converged says when nothing is left to do. Without
   /// targets: nothing.
   ///
   /// \throw SolveError as move

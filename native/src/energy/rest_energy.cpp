@@ -14,10 +14,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double least_area = 1e-5;  // of the longest edge squared, unless Orientation judges the triangle
-constexpr double flat_stiffness = 1e-3;  // of the springs of a flat triangle; 1 is that of a good one
-constexpr double needs_repair = 1e-3;    // det J
-constexpr double repaired = 0.1;         // det J, and the χ of triangles below it
+constexpr double flat_stiffness = 3.0;  // of the springs of a flat triangle; 1 is the order of a good one
+constexpr double needs_repair = 1e-3;   // det J
+constexpr double repaired = 0.1;        // det J, and the χ of triangles below it
 
 constexpr std::array<std::array<std::size_t, 2>, 3> pairs{{{0, 1}, {0, 2}, {1, 2}}};
 
@@ -69,40 +68,38 @@ inline RestEnergy::Jacobian RestEnergy::jacobian(const Triangle& triangle, const
   return j;
 }
 
-RestEnergy::RestEnergy(const Points& rest, const MeshMatrix& matrix, const Orientation& orientation,
+RestEnergy::RestEnergy(const Points& rest, const MeshMatrix& matrix, const Flags& flat,
                        const Eigen::VectorXd& stiffness)
-    : RestEnergy([&rest](int, int v) -> Eigen::Vector2d { return rest.row(v); }, matrix, orientation,
-                 stiffness) {}
+    : RestEnergy([&rest](int, int v) -> Eigen::Vector2d { return rest.row(v); }, matrix, flat, stiffness) {}
 
-RestEnergy::RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Orientation& orientation,
+RestEnergy::RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Flags& flat,
                        const Eigen::VectorXd& stiffness) {
-  for (const MeshMatrix::Element& element : matrix.elements()) {
+  for (std::size_t i = 0; i < matrix.elements().size(); ++i) {
+    const MeshMatrix::Element& element = matrix.elements()[i];
     if (element.triangle < 0) continue;
     const auto p = [&](std::size_t c) { return rest_of(element.triangle, element.vertex[c]); };
     const Eigen::Vector2d p0 = p(0), p1 = p(1), p2 = p(2);
     const std::array<Eigen::Vector2d, 3> side{p2 - p1, p0 - p2, p1 - p0};
     const double factor = stiffness.size() != 0 ? stiffness[element.triangle] : 1.0;
-    Triangle triangle{element.vertex, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-    const double area = side[2].x() * -side[1].y() + side[2].y() * side[1].x();
-    const double longest = std::max({side[0].squaredNorm(), side[1].squaredNorm(), side[2].squaredNorm()});
-    if (orientation.judges(element.triangle) || std::abs(area) > 2.0 * least_area * longest) {
-      // The gradient of corner c's hat function is its opposite side, turned by 90°, over twice the area.
-      triangle.inverse = 1.0 / area;
-      triangle.g1x = -0.5 * side[1].y() * triangle.inverse;
-      triangle.g1y = 0.5 * side[1].x() * triangle.inverse;
-      triangle.g2x = -0.5 * side[2].y() * triangle.inverse;
-      triangle.g2y = 0.5 * side[2].x() * triangle.inverse;
-      triangle.weight = 0.5 * factor * std::abs(area);
-    } else {
-      flat_.push_back({element.triangle, element.vertex, side, flat_stiffness * factor});
+    if (flat[element.triangle]) {
+      flat_.push_back({i, element.vertex, side, flat_stiffness * factor});
+      continue;
     }
+    Triangle triangle{i, element.vertex, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    const double area = side[2].x() * -side[1].y() + side[2].y() * side[1].x();
+    // The gradient of corner c's hat function is its opposite side, turned by 90°, over twice the area.
+    triangle.inverse = 1.0 / area;
+    triangle.g1x = -0.5 * side[1].y() * triangle.inverse;
+    triangle.g1y = 0.5 * side[1].x() * triangle.inverse;
+    triangle.g2x = -0.5 * side[2].y() * triangle.inverse;
+    triangle.g2y = 0.5 * side[2].x() * triangle.inverse;
+    triangle.weight = 0.5 * factor * std::abs(area);
     triangles_.push_back(triangle);
   }
 }
 
 void RestEnergy::relax(const Points& x) {
   for (Triangle& triangle : triangles_) {
-    if (triangle.weight == 0.0) continue;
     triangle.softening = jacobian(triangle, x).delta < needs_repair ? 1.0 : 0.0;
   }
   tighten(x);
@@ -120,7 +117,6 @@ void RestEnergy::tighten(const Points& x) {
 double RestEnergy::value(const Points& x) const {
   double sum = 0.0;
   for (const Triangle& triangle : triangles_) {
-    if (triangle.weight == 0.0) continue;
     const Jacobian j = jacobian(triangle, x);
     if (triangle.softening == 0.0) {
       if (!(j.delta > 0.0)) return std::numeric_limits<double>::infinity();
@@ -137,7 +133,6 @@ double RestEnergy::gradient(const Points& x, Points& result) const {
   result.setZero(x.rows(), 2);
   double sum = 0.0;
   for (const Triangle& triangle : triangles_) {
-    if (triangle.weight == 0.0) continue;
     const Jacobian j = jacobian(triangle, x);
     const Barrier psi = barrier(j.delta, triangle.softening);
     sum += triangle.weight * j.value(psi);
@@ -242,12 +237,11 @@ struct Blocks {
 }  // namespace
 
 void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix,
-                             bool project) const {
+                             double negative) const {
   double* value = matrix.values();
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const Triangle& triangle = triangles_[t];
-    const MeshMatrix::Element& element = matrix.elements()[t];
-    if (triangle.weight == 0.0 || !active[at(element.part)]) continue;
+  for (const Triangle& triangle : triangles_) {
+    const MeshMatrix::Element& element = matrix.elements()[triangle.element];
+    if (!active[at(element.part)]) continue;
     const Jacobian j = jacobian(triangle, x);
     const Barrier psi = barrier(j.delta, triangle.softening);
     const double p = std::sqrt(j.ax * j.ax + j.ay * j.ay), q = std::sqrt(j.bx * j.bx + j.by * j.by);
@@ -273,7 +267,7 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
       second = std::max(0.0, mean - radius);
     }
     const double along_a = j.along_a(psi);
-    const double twist = std::sqrt(triangle.weight * (project ? std::max(0.0, along_a) : std::abs(along_a)));
+    const double twist = std::sqrt(triangle.weight * (along_a < 0.0 ? -negative * along_a : along_a));
     const double shear = std::sqrt(triangle.weight * std::max(0.0, j.along_b(psi)));
     first = std::sqrt(triangle.weight * first);
     second = std::sqrt(triangle.weight * second);
@@ -297,7 +291,7 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
   }
 
   for (const FlatTriangle& flat : flat_) {
-    const MeshMatrix::Element& element = matrix.elements()[at(flat.triangle)];
+    const MeshMatrix::Element& element = matrix.elements()[flat.element];
     if (!active[at(element.part)]) continue;
     const Turned turned(flat.side, flat.vertex, x);
     // 2 (I - q qᵀ / r) over the sides, q = iR e_rest, r = |Σ conj(e_rest) e|; with r ≥ |q|² it is
@@ -325,7 +319,6 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
 double RestEnergy::first_collapse(const Points& x, const Points& direction) const {
   double least = std::numeric_limits<double>::infinity();
   for (const Triangle& triangle : triangles_) {
-    if (triangle.weight == 0.0) continue;
     const auto side = [&triangle](const Points& points, std::size_t end) -> Eigen::RowVector2d {
       return points.row(triangle.vertex[end]) - points.row(triangle.vertex[0]);
     };

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "energy/mesh_matrix.h"
-#include "mesh/orientation.h"
 #include "planar/types.h"
 
 namespace planar {
@@ -23,24 +22,28 @@ namespace planar {
 /// across a and b, but for a coupling of the two along: the eigensystem of [Smith19], without a singular
 /// value decomposition. Of its eigenvalues only that of the twist, across a, can be negative.
 ///
-/// Triangles that are flat at rest, below 1e-5 of their longest edge squared, have no usable J unless they
-/// are thick enough for Orientation to judge them. They get springs that follow them, k c Σ_edges |e - R
-/// e_rest|² with R the best rotation and a small c, which hold their corners in place and can be turned over
-/// without harm.
+/// Triangles that are flat at rest (mesh/triangle_shape.h) get springs that follow them, k c Σ_edges |e - R
+/// e_rest|² with R the best rotation, which hold their corners in place and can be turned over without harm.
+/// They are as stiff as good triangles, or else needles would open like cracks; a hundred times stiffer, they
+/// would turn as slowly as stiff triangles do.
 ///
 /// Triangles that are inverted to begin with (relax()) have the χ of [Garanzha21] in place of δ: finite
 /// energy, and a force that turns them back.
 class RestEnergy {
  public:
+  /// Of no triangles: 0.
+  RestEnergy() = default;
+
   /// \param matrix what add_hessian() will add to; its elements give the triangles
+  /// \param flat m flags
   /// \param stiffness m factors, or empty: all 1
-  RestEnergy(const Points& rest, const MeshMatrix& matrix, const Orientation& orientation,
+  RestEnergy(const Points& rest, const MeshMatrix& matrix, const Flags& flat,
              const Eigen::VectorXd& stiffness);
 
   /// The same for triangles that do not fit together at rest: rest_of(t, v) is where triangle t has its
   /// corner v.
   using RestOf = std::function<Eigen::Vector2d(int t, int v)>;
-  RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Orientation& orientation,
+  RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Flags& flat,
              const Eigen::VectorXd& stiffness);
 
   /// Chooses the triangles to be repaired, those with det J below 1e-3 at x. To be called before the others
@@ -53,24 +56,26 @@ class RestEnergy {
   double value(const Points& x) const;
   /// Value, and n×2 derivatives by the vertices.
   double gradient(const Points& x, Points& result) const;
-  /// Adds the Hessian at x of the parts that are `active`; with `project` that of each triangle without its
-  /// negative eigenvalues (under repair and flat triangles are always projected).
+  /// Adds the Hessian at x of the parts that are `active`, with a share of the negative eigenvalues of each
+  /// triangle: 1 gives the Hessian, 0 the projected one, which is semidefinite. (Under repair and flat
+  /// triangles are always projected.)
   void add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix,
-                   bool project = true) const;
+                   double negative = 0.0) const;
   /// The least t > 0 at which x + t·direction has a triangle without area that has some at x; infinite if
   /// there is none. Triangles that are inverted at x do not count.
   double first_collapse(const Points& x, const Points& direction) const;
 
  private:
   struct Triangle {
-    std::array<int, 3> vertex;  ///< in the order of the matrix's element
+    std::size_t element;        ///< of the matrix
+    std::array<int, 3> vertex;  ///< in the order of the element
     double g1x, g1y, g2x, g2y;  ///< half the gradients at rest of the hat functions of corners 1 and 2
     double inverse;             ///< of twice the signed area at rest
-    double weight;              ///< k_t A_t; 0 for a flat triangle
+    double weight;              ///< k_t A_t
     double softening;           ///< ε² of χ, 0 if not under repair
   };
   struct FlatTriangle {
-    int triangle;
+    std::size_t element;
     std::array<int, 3> vertex;
     std::array<Eigen::Vector2d, 3> side;  ///< at rest, opposite to the corner
     double weight;

@@ -8,6 +8,7 @@
 #include "base/complex_product.h"
 #include "inbetween/edge_turns.h"
 #include "mesh/edge_graph.h"
+#include "mesh/triangle_shape.h"
 
 namespace planar {
 
@@ -15,14 +16,15 @@ using Complex = std::complex<double>;
 
 namespace {
 
-constexpr double sliver = 1e-3;  // twice the area over the longest of two sides squared
-
 Complex side(const Points& x, int a, int b) { return {x(b, 0) - x(a, 0), x(b, 1) - x(a, 1)}; }
 
 }  // namespace
 
 BlendedTriangles::BlendedTriangles(const Points& from, const Points& to, const Triangles& triangles)
-    : from_(from), to_(to), triangles_(triangles) {
+    : from_(from),
+      to_(to),
+      triangles_(triangles),
+      flat_(flat_triangles(from, triangles) || flat_triangles(to, triangles)) {
   back_.reserve(static_cast<std::size_t>(triangles.rows()));
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const int a = triangles(t, 0), b = triangles(t, 1), c = triangles(t, 2);
@@ -38,6 +40,7 @@ Eigen::Vector2d BlendedTriangles::corner(int t, int v, double u) const {
 }
 
 double BlendedTriangles::strain(int t, const Points& x, double u) const {
+  if (flat_[t]) return 1.0;
   const int a = triangles_(t, 0), b = triangles_(t, 1), c = triangles_(t, 2);
   const Complex back = back_[static_cast<std::size_t>(t)];
   const auto wanted = [&](int end) {
@@ -45,7 +48,6 @@ double BlendedTriangles::strain(int t, const Points& x, double u) const {
   };
   const Complex r1 = wanted(b), r2 = wanted(c), d1 = side(x, a, b), d2 = side(x, a, c);
   const double area = product(std::conj(r1), r2).imag();
-  if (std::abs(area) <= sliver * std::max(std::norm(r1), std::norm(r2))) return 1.0;
   // The Jacobian is z -> αz + βz̄, its singular values are |α| ± |β|.
   const double alpha = std::abs(product(d1, std::conj(r2)) - product(d2, std::conj(r1))),
                beta = std::abs(product(r1, d2) - product(r2, d1)), size = 2.0 * std::abs(area);

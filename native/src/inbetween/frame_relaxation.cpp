@@ -11,11 +11,10 @@ namespace planar {
 
 namespace {
 
-constexpr int n_steps = 2;           // each takes nearly as long as all else
-constexpr double margin = 0.5;       // of the way to a collapse: the frames between these are not looked at
-constexpr double sufficient = 1e-4;  // Armijo
-constexpr double rounding = 1e-12;   // of the energy of the triangles at rest, 4 times their area
-constexpr int most_halvings = 4;     // then the step is not worth it
+constexpr int n_steps = 2;          // each takes nearly as long as all else
+constexpr double margin = 0.5;      // of the way to a collapse: the frames between these are not looked at
+constexpr double rounding = 1e-12;  // of the energy of the triangles at rest, 4 times their area
+constexpr int most_halvings = 4;    // then the step is not worth it
 
 /// A step of the same length for all frames; false if there is none that lessens the energy of each.
 bool step(PerThread<FrameTracker>& trackers, const Eigen::VectorXd& u, std::vector<Points>& frames,
@@ -45,7 +44,7 @@ bool step(PerThread<FrameTracker>& trackers, const Eigen::VectorXd& u, std::vect
     team.run(frames.size(), [&](std::size_t k, std::size_t thread) {
       relaxed[k] = frames[k] + t * steps[k].direction;
       const double energy = trackers.of(thread).energy_of(relaxed[k], u[static_cast<Eigen::Index>(k)]);
-      lower[k] = energy <= steps[k].energy + sufficient * t * steps[k].slope + error;
+      lower[k] = Newton::lessens(steps[k].energy, energy, t, steps[k].slope, error);
     });
     if (std::all_of(lower.begin(), lower.end(), [](char is) { return is != 0; })) {
       frames = std::move(relaxed);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "base/complex_rows.h"
+#include "base/diameter.h"
 #include "base/index.h"
 #include "energy/rigid_fit.h"
 #include "planar/types.h"
@@ -16,22 +18,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double closeness = 10.0;   // w in units of (diagonal / 50)⁻²
-constexpr double hold = 1e-3;        // of w in steps of the energy alone, which does not tell places
-constexpr double blocked = 0.5;      // share of a step up to a collapse below which the metric is changed
-constexpr double margin = 0.8;       // of the way to a collapse
-constexpr double sufficient = 1e-4;  // Armijo
+constexpr double closeness = 10.0;  // w in units of (size / 50)⁻²
+constexpr double hold = 1e-3;       // of w in steps of the energy alone, which does not tell places
 constexpr int most_steps = 100;
-constexpr int most_halvings = 30;
-
-std::vector<int> numbered(const Mesh& mesh, SparseSolver& solver) {
-  std::vector<int> used, result;
-  for (int v = 0; v < mesh.n_vertices; ++v) {
-    if (mesh.part[at(v)] >= 0) used.push_back(v);
-  }
-  for (const int k : solver.fill_reducing_order(vertex_graph(mesh, used))) result.push_back(used[at(k)]);
-  return result;
-}
+constexpr int most_factors = 300;  // as many as that may want
 
 double area_of(const Points& x, const Triangles& triangles) {
   double sum = 0.0;
@@ -43,24 +33,29 @@ double area_of(const Points& x, const Triangles& triangles) {
   return sum;
 }
 
-double diagonal_of(const Points& x) { return (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm(); }
-
 }  // namespace
 
 FrameTracker::FrameTracker(const Triangles& triangles, const Points& from, const Points& to)
     : mesh_(from.rows(), triangles),
-      parts_(at(mesh_.n_parts), 1),
-      solver_(SparseSolver::create(default_backend())),
-      matrix_(mesh_, numbered(mesh_, *solver_)),
-      orientation_(from, triangles),
       blended_(from, to, triangles),
-      diagonal_(std::max(diagonal_of(from), diagonal_of(to))),
+      orientation_(from, triangles, blended_.flat()),
       area_of_keys_(0.5 * (area_of(from, triangles) + area_of(to, triangles))),
-      energy_(energy_at(0.5)) {
+      springs_(mesh_),
+      newton_(mesh_, springs_, {}, orientation_, std::max(diameter(from), diameter(to))) {
   const auto n_used = mesh_.n_vertices - std::count(mesh_.part.begin(), mesh_.part.end(), -1);
   const double share = area_of_keys_ / static_cast<double>(n_used);
-  pull_ = closeness * 2500.0 / (diagonal_ * diagonal_) * share;
-  solver_->analyze(matrix_.matrix());
+  pull_ = closeness * 2500.0 / (newton_.size() * newton_.size()) * share;
+}
+
+double FrameTracker::Pull::value(const Points& x, Points* gradient) const {
+  if (gradient != nullptr) *gradient += 2.0 * strength * (x - y);
+  return strength * (x - y).squaredNorm();
+}
+
+void FrameTracker::Pull::add_hessian(MeshMatrix& matrix, double scale) const {
+  for (int v = 0; v < mesh.n_vertices; ++v) {
+    if (mesh.part[at(v)] >= 0) matrix.add(v, v, 2.0 * scale * strength);
+  }
 }
 
 PerThread<FrameTracker> FrameTracker::one_a_thread(const ThreadTeam& team, const Triangles& triangles,
@@ -68,96 +63,34 @@ PerThread<FrameTracker> FrameTracker::one_a_thread(const ThreadTeam& team, const
   return {team, [=] { return std::make_unique<FrameTracker>(triangles, from, to); }};
 }
 
-RestEnergy FrameTracker::energy_at(double u) const {
-  return {[&](int t, int v) { return blended_.corner(t, v, u); }, matrix_, orientation_, {}};
-}
-
-/// Fills in direction_ by a Newton step, or by one in the Killing metric.
-void FrameTracker::solve(bool killing, const Points& x, double pull) {
-  double factor = scale_;
-  if (killing) {
-    matrix_.assemble(x, {}, parts_);
-    factor *= 2.0;  // the energy's Hessian is twice K, see HoldMethod
-  } else {
-    matrix_.set_zero();
-    energy_.add_hessian(x, parts_, matrix_);
-  }
-  for (std::size_t i = 0; i < matrix_.matrix().value.size(); ++i) matrix_.values()[i] *= factor;
-  for (int v = 0; v < mesh_.n_vertices; ++v) {
-    if (mesh_.part[at(v)] >= 0) matrix_.add(v, v, 2.0 * pull);
-  }
-  solver_->factorize(matrix_.matrix());
-  unknown_.resize(matrix_.matrix().size);
-  for (int v = 0; v < mesh_.n_vertices; ++v) {
-    if (const int place = matrix_.place(v); place >= 0) {
-      unknown_.segment<2>(2 * place) = -gradient_.row(v).transpose();
-    }
-  }
-  solver_->solve(unknown_, unknown_);
-  direction_.setZero(mesh_.n_vertices, 2);
-  for (int v = 0; v < mesh_.n_vertices; ++v) {
-    const int place = matrix_.place(v);
-    if (place >= 0) direction_.row(v) = unknown_.segment<2>(2 * place).transpose();
-  }
-}
-
-bool FrameTracker::keeps_upright(const Points& x) {
-  orientation_.measure(x, trial_area_);
-  for (std::size_t t = 0; t < area_.size(); ++t) {
-    if (area_[t] > 0.0 && !(trial_area_[t] > 0.0)) return false;
-  }
-  return true;
+RestEnergy FrameTracker::energy_at(double u) {
+  return {
+      [&](int t, int v) { return blended_.corner(t, v, u); }, newton_.system().matrix(), blended_.flat(), {}};
 }
 
 Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, double u, double settled) {
-  y_ = y;
-  energy_ = energy_at(u);
-  scale_ = 4.0 * u * (1.0 - u);
+  springs_.y = y;
+  springs_.strength = pull_;
+  newton_.system().forget();
+  newton_.set_energy(energy_at(u), 4.0 * u * (1.0 - u));
   Points result = predicted(x, of, y);
-  minimise(settled, result);
+  newton_.begin(result);
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
+  const Newton::Budget budget{most_steps, most_factors, false, anywhere, settled * newton_.size()};
+  converged_ = newton_.descend(budget, result).converged;
   return result;
 }
 
 FrameTracker::Step FrameTracker::step_at(const Points& x, double u) {
-  energy_ = energy_at(u);
-  scale_ = 1.0;
+  springs_.y = x;
+  springs_.strength = hold * pull_;
+  newton_.set_energy(energy_at(u), 1.0);
   Step result;
-  result.energy = energy_.gradient(x, gradient_);
-  if (!std::isfinite(result.energy)) return result;
-  solve(false, x, hold * pull_);
-  result.collapse = energy_.first_collapse(x, direction_);
-  result.slope = gradient_.cwiseProduct(direction_).sum();
-  result.direction = direction_;
+  const Newton::Step step = newton_.step_at(x, result.direction);
+  result.collapse = step.collapse;
+  result.energy = step.value;
+  result.slope = step.slope;
   return result;
-}
-
-void FrameTracker::minimise(double settled, Points& x) {
-  orientation_.measure(x, area_);
-  for (int step = 0; step < most_steps; ++step) {
-    const double start = scale_ * energy_.gradient(x, gradient_) + pull_ * (x - y_).squaredNorm();
-    gradient_ = scale_ * gradient_ + 2.0 * pull_ * (x - y_);
-    if (!std::isfinite(start)) throw SolveError("a frame cannot be kept from flipping");
-    solve(false, x, pull_);
-    double collapse = energy_.first_collapse(x, direction_);
-    const bool newton = collapse >= blocked;
-    if (!newton) {
-      solve(true, x, pull_);
-      collapse = energy_.first_collapse(x, direction_);
-    }
-    const double longest = direction_.rowwise().norm().maxCoeff();
-    const double slope = gradient_.cwiseProduct(direction_).sum();
-    double t = std::min(1.0, margin * collapse);
-    for (int halvings = 0;; t *= 0.5, ++halvings) {
-      if (halvings == most_halvings) return;
-      trial_ = x + t * direction_;
-      if (value(trial_) <= start + sufficient * t * slope + 1e-13 * std::abs(start) &&
-          keeps_upright(trial_)) {
-        break;
-      }
-    }
-    std::swap(x, trial_);
-    if (newton && t == 1.0 && longest < settled * diagonal_) return;
-  }
 }
 
 /// Where to start for y from the solution x of a frame `of` near to it: moved as from `of` to y, rigidly
@@ -179,7 +112,7 @@ Points FrameTracker::predicted(const Points& x, const Points& of, const Points& 
     result.row(v) << p.real(), p.imag();
     bending.row(v) << left.real(), left.imag();
   });
-  const double collapse = energy_.first_collapse(result, bending);
+  const double collapse = newton_.rest_energy().first_collapse(result, bending);
   // Near to a collapse the barrier is steep: better well away from it.
   if (collapse > 2.0) result += bending;
   return result;

@@ -4,12 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "energy/killing_energy.h"
-#include "energy/rest_energy.h"
+#include "energy/newton.h"
 #include "inbetween/blended_triangles.h"
-#include "linear/sparse_solver.h"
 #include "mesh/mesh.h"
-#include "mesh/orientation.h"
 #include "parallel/per_thread.h"
 
 namespace planar {
@@ -19,10 +16,9 @@ namespace planar {
 ///   4u(1-u) E_u(x) + w Σ m |x - y|²
 ///
 /// from a shape without flips, with y the frame at u, E_u the rest energy of the keys' blended triangles, m
-/// an equal share of the area and w = 10 / (diagonal/50)². E_u is least at the keys for the keys themselves,
-/// so that the solution leaves y slowly; with the factor before it it even has the velocities of y there. By
-/// projected Newton steps, in the Killing metric where a triangle blocks them. Those of E_u alone are to be
-/// had as well.
+/// an equal share of the area and w = 10 / (size/50)², the size being the keys' largest diameter. E_u is
+/// least at the keys for the keys themselves, so that the solution leaves y slowly; with the factor before it
+/// it even has the velocities of y there. Steps towards the minimum of E_u alone are to be had as well.
 class FrameTracker {
  public:
   /// For the threads of a team, which must not share one.
@@ -31,10 +27,14 @@ class FrameTracker {
 
   /// \param triangles of the parts to work on; other vertices stay
   FrameTracker(const Triangles& triangles, const Points& from, const Points& to);
+  FrameTracker(const FrameTracker&) = delete;
+  FrameTracker& operator=(const FrameTracker&) = delete;
 
   /// The minimum for the frame y at u, from the solution x of a frame `of` near to it, until a step is at
-  /// most `settled` of the keys' diagonal. \throw SolveError numbers overflow
+  /// most `settled` of the keys' size. \throw SolveError numbers overflow
   Points follow(const Points& x, const Points& of, const Points& y, double u, double settled);
+  /// Whether the last follow() got that far.
+  bool converged() const { return converged_; }
 
   /// A projected Newton step of E_u alone.
   struct Step {
@@ -46,35 +46,33 @@ class FrameTracker {
   /// From x without flips. Places, which the energy does not tell, hardly change.
   /// \throw SolveError the Hessian cannot be factorized
   Step step_at(const Points& x, double u);
-  double energy_of(const Points& x, double u) const { return energy_at(u).value(x); }
+  double energy_of(const Points& x, double u) { return energy_at(u).value(x); }
 
   /// Of the triangles, the mean of both keys: energies are known to a share of it.
   double area() const { return area_of_keys_; }
 
  private:
+  /// A pull of all vertices in parts towards y.
+  struct Pull final : Springs {
+    explicit Pull(const Mesh& mesh_) : mesh(mesh_) {}
+    double value(const Points& x, Points* gradient) const override;
+    void add_hessian(MeshMatrix& matrix, double scale) const override;
+    const Mesh& mesh;
+    Points y;
+    double strength = 0.0;
+  };
+
   Points predicted(const Points& x, const Points& of, const Points& y) const;
-  void minimise(double settled, Points& x);
-  RestEnergy energy_at(double u) const;
-  double value(const Points& x) const { return scale_ * energy_.value(x) + pull_ * (x - y_).squaredNorm(); }
-  void solve(bool killing, const Points& x, double pull);
-  bool keeps_upright(const Points& x);
+  RestEnergy energy_at(double u);
 
   Mesh mesh_;
-  std::vector<char> parts_;  ///< all of them, in the form that matrices take
-  std::unique_ptr<SparseSolver> solver_;
-  KillingMatrix matrix_;
-  Orientation orientation_;
   BlendedTriangles blended_;
-  double diagonal_;
+  Orientation orientation_;
   double area_of_keys_;  ///< their mean
-  double pull_;          ///< w m
-
-  // Of the frame under way.
-  RestEnergy energy_;
-  double scale_ = 0.0;  ///< of energy_
-  Points y_, gradient_, direction_, trial_;
-  Eigen::VectorXd unknown_;
-  std::vector<double> area_, trial_area_;
+  Pull springs_;
+  Newton newton_;
+  double pull_;  ///< w m
+  bool converged_ = true;
 };
 
 }  // namespace planar

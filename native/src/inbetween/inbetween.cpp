@@ -44,7 +44,7 @@ struct Inbetweens::State {
     const std::vector<Edges> joints = joints_of(graph, keys, options);
     const Eigen::MatrixXi extra = turns_of(graph, keys, options);
     const std::vector<Points> references = references_of(keys, options);
-    const double tolerance = options.tolerance * diagonal_of(references);
+    const double tolerance = options.tolerance * size_of(references);
     assembler.factorize(frozen_weights(graph, references));
     const EdgeTurns unwrapped(graph);
     transitions.reserve(anchors.size());

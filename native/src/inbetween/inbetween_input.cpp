@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "base/checks.h"
+#include "base/diameter.h"
 #include "base/disjoint_sets.h"
 
 namespace planar {
@@ -80,12 +82,10 @@ std::vector<Points> references_of(const std::vector<Points>& keys, const Inbetwe
   return {options.rest};
 }
 
-double diagonal_of(const std::vector<Points>& shapes) {
-  double diagonal = 0.0;
-  for (const Points& shape : shapes) {
-    diagonal = std::max(diagonal, (shape.colwise().maxCoeff() - shape.colwise().minCoeff()).norm());
-  }
-  return diagonal;
+double size_of(const std::vector<Points>& shapes) {
+  double size = 0.0;
+  for (const Points& shape : shapes) size = std::max(size, diameter(shape));
+  return std::numbers::sqrt2 * size;
 }
 
 Eigen::VectorXd frozen_weights(const EdgeGraph& graph, const std::vector<Points>& shapes) {

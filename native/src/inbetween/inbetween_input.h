@@ -18,8 +18,9 @@ void require_iteration(const InbetweenOptions& options);
 /// The shapes that lengths are taken from: options.rest, or the keys.
 std::vector<Points> references_of(const std::vector<Points>& keys, const InbetweenOptions& options);
 
-/// The largest box diagonal of some shapes.
-double diagonal_of(const std::vector<Points>& shapes);
+/// The diagonal of a square that holds each of some shapes however it is turned: √2 times the largest
+/// diameter.
+double size_of(const std::vector<Points>& shapes);
 
 /// 1/|e| of [AIAP 10], an edge's lengths in some shapes averaged, and held to a ten-thousandth of the mean
 /// edge.

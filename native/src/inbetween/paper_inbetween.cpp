@@ -158,8 +158,8 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
   const Eigen::Index last = times.size() - 1;
   ComplexRows edges = first_edges(graph, keys[0], keys[1], turns, last);
   ComplexRows points = ComplexRows::Zero(graph.n_vertices, last + 1), before;
-  const double diagonal = diagonal_of(references_of(keys, options));
-  const double tolerance = options.tolerance * diagonal;
+  const double size = size_of(references_of(keys, options));
+  const double tolerance = options.tolerance * size;
   ThreadTeam team(options.threads);
   std::optional<LocalStep> local;
   std::optional<GlobalStep> global;
@@ -183,7 +183,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
       global->assemble(edges, points, progress);
     }
     const double furthest = std::sqrt((points - before).abs2().maxCoeff<Eigen::PropagateNaN>());
-    if (!std::isfinite(furthest) || furthest > 1e6 * diagonal) {
+    if (!std::isfinite(furthest) || furthest > 1e6 * size) {
       throw SolveError(
           "the paper's iteration diverges: its steps turn edges too far; take more frames or midpoint");
     }

@@ -21,8 +21,8 @@ std::vector<PartCondition> conditions_of_parts(const EdgeGraph& graph, const Poi
                                                const std::vector<Points>& frames, const Eigen::VectorXd& u,
                                                ThreadTeam& team) {
   const auto n_parts = static_cast<std::size_t>(graph.n_parts);
-  const Orientation upright(from, graph.triangles);
   const BlendedTriangles blended(from, to, graph.triangles);
+  const Orientation upright(from, graph.triangles, blended.flat());
   std::vector<std::vector<char>> fails(frames.size(), std::vector<char>(n_parts));
   team.run(frames.size(), [&](std::size_t k, std::size_t) {
     std::vector<double> area;
@@ -41,12 +41,8 @@ std::vector<PartCondition> conditions_of_parts(const EdgeGraph& graph, const Poi
   }
   std::vector<double> area;
   upright.measure(to, area);
-  const Orientation at_the_end(to, graph.triangles);
   for (std::size_t t = 0; t < area.size(); ++t) {
-    const auto number = static_cast<int>(t);
-    if (area[t] < 0.0 || upright.judges(number) != at_the_end.judges(number)) {
-      result[part_of(graph, t)] = PartCondition::hopeless;
-    }
+    if (area[t] < 0.0) result[part_of(graph, t)] = PartCondition::hopeless;
   }
   return result;
 }

@@ -12,7 +12,7 @@ namespace planar {
 enum class PartCondition {
   sound,     ///< none is flipped or about to collapse
   failing,   ///< some are, though they lie the same way round in both keys
-  hopeless,  ///< some are flipped or flat in one key but not in the other
+  hopeless,  ///< some lie the other way round in one key than in the other
 };
 
 /// The condition of each part in these frames, which are at u.

@@ -10,7 +10,7 @@
 /// What changes of a whole sequence of frames have in common.
 namespace planar {
 
-/// Of the diagonal: edges that are shorter have no direction in numbers rounded to float32.
+/// Of the size of the shapes: edges that are shorter have no direction in numbers rounded to float32.
 constexpr double no_length = 1e-7;
 
 /// \throw std::invalid_argument no frames, or frames of several sizes or with numbers that are not finite

@@ -45,7 +45,7 @@ std::vector<Points> edit(const std::vector<Points>& frames, const std::vector<Fr
     Change change{frame, &shape, Eigen::ArrayXd::Zero(n_edges),
                   unwrapped.between(frames[frame], shape).array(), centroids.of(shape)};
     const std::vector<Complex> before = centroids.of(frames[frame]);
-    const double shortest = no_length * diagonal_of({frames[frame], shape});
+    const double shortest = no_length * size_of({frames[frame], shape});
     for (std::size_t group = 0; group < before.size(); ++group) change.shift[group] -= before[group];
     for (Eigen::Index i = 0; i < n_edges; ++i) {
       const double from = std::abs(graph.vector(static_cast<std::size_t>(i), frames[frame])),

@@ -31,7 +31,7 @@ std::vector<Points> transfer(const std::vector<Points>& frames, const Points& ta
   require_rows("target", target.rows(), frames[0].rows(), "vertex of frames[0]");
   require_finite("target", target);
   const Complex whole = similarity(graph, frames[0], target);
-  const double shortest = no_length * diagonal_of({frames[0]});
+  const double shortest = no_length * size_of({frames[0]});
   const auto edges_of = [&](std::size_t k, ComplexRows& edges, Eigen::Index column) {
     for (std::size_t i = 0; i < graph.edges.size(); ++i) {
       const Complex first = graph.vector(i, frames[0]), own = graph.vector(i, target);

@@ -7,6 +7,7 @@
 
 #include "base/checks.h"
 #include "mesh/orientation.h"
+#include "mesh/triangle_shape.h"
 
 namespace planar {
 
@@ -18,7 +19,8 @@ Distortion distortion(const Points& rest, const Points& posed, const Triangles& 
   require_triangles(rest.rows(), triangles);
 
   const Eigen::VectorXd none = Eigen::VectorXd::Constant(triangles.rows(), 2.0);
-  Distortion result{0.0, 0.0, 0, none, none, Orientation(rest, triangles).flipped(posed)};
+  const Flags flat = flat_triangles(rest, triangles);
+  Distortion result{0.0, 0.0, 0, none, none, Orientation(rest, triangles, flat).flipped(posed)};
   result.flipped = static_cast<int>(result.triangle_flipped.count());
   const auto sides = [&triangles](const Points& x, Eigen::Index t) {
     Eigen::Matrix2d columns;
@@ -31,6 +33,7 @@ Distortion distortion(const Points& rest, const Points& posed, const Triangles& 
       double{std::numeric_limits<float>::denorm_min()} * std::numeric_limits<float>::denorm_min();
   double total = 0.0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    if (flat[t]) continue;
     const Eigen::Matrix2d before = sides(rest, t);
     const double weight = std::abs(before.determinant());
     if (weight < least) continue;

@@ -10,15 +10,14 @@ namespace planar {
 /// Which way round triangles lie, judged on positions rounded to float32, which is what Blender stores.
 class Orientation {
  public:
-  /// Takes the orientation of `rest` as the right one. Triangles there that are flat, or thinner than what
+  /// Takes the orientation of `rest` as the right one. Triangles that are `flat` (m), or thinner than what
   /// float32 makes of their coordinates, are not judged.
   ///
   /// \param origin what the positions given to the functions below are relative to
-  Orientation(const Points& rest, const Triangles& triangles,
+  Orientation(const Points& rest, const Triangles& triangles, Flags flat,
               const Eigen::RowVector2d& origin = Eigen::RowVector2d::Zero());
 
-  /// Whether triangle t is judged.
-  bool judges(int t) const { return sign_[static_cast<std::size_t>(t)] != 0.0; }
+  const Flags& flat() const { return flat_; }
 
   /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.
   void measure(const Points& x, std::vector<double>& area) const;
@@ -38,6 +37,7 @@ class Orientation {
   double area_as_at_rest(const Points& x, std::size_t t) const;
 
   Triangles triangles_;
+  Flags flat_;
   Eigen::RowVector2d origin_;
   std::vector<double> sign_;  ///< of the rest: 1, -1, or 0 if not judged
 };

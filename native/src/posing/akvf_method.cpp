@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/diameter.h"
 #include "base/index.h"
 
 namespace planar {
@@ -18,8 +19,8 @@ constexpr int halving_budget = 8;        // of a substep under which triangles c
 constexpr int carrying_budget = 64;      // of a way on which float32 cannot keep the triangles apart
 constexpr int sharing_budget = 10;       // passes over the triangles of such a substep
 constexpr int settle_budget = 32;        // steps
-constexpr double reached = 1e-3;         // of the box diagonal
-constexpr double settled = 1e-6;         // of the box diagonal
+constexpr double reached = 1e-3;         // of the rest's diameter
+constexpr double settled = 1e-6;         // of the rest's diameter
 constexpr double nearer = 0.99;  // a step of settle() that leaves more of the distance than this is the last
 constexpr double least_straight = 0.85;  // 1/|φ(z)| at |z| = largest_turn, at least
 
@@ -29,11 +30,11 @@ constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 AkvfMethod::AkvfMethod(const Points& rest, Triangles triangles, const Orientation& orientation,
                        const Eigen::VectorXd& stiffness)
-    : diagonal_((rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm()),
+    : size_(diameter(rest)),
       solver_(Mesh(rest.rows(), std::move(triangles)), {}),
       spirals_(solver_.mesh()),
       orientation_(orientation),
-      guard_(rest, solver_.mesh().triangles, stiffness) {}
+      guard_(rest, solver_.mesh().triangles, orientation.flat(), stiffness) {}
 
 void AkvfMethod::set_handles(const HandleSet& set) {
   std::vector<Pin> compiled = solver_.compile(set.handles, set.strength, set.patch);
@@ -55,19 +56,19 @@ void AkvfMethod::set_handles(const HandleSet& set) {
 
 void AkvfMethod::move(const Points& targets, Points& x, Report& report) {
   step(targets, x, report);
-  report.converged = furthest(x, targets) <= reached * diagonal_;
+  report.converged = furthest(x, targets) <= reached * size_;
 }
 
 void AkvfMethod::refine(const Points& targets, Points& x, Report& report) {
   ++report.iterations;
-  substep(targets, x, refine_limit * diagonal_, report);
-  report.converged = furthest(x, targets) <= reached * diagonal_;
+  substep(targets, x, refine_limit * size_, report);
+  report.converged = furthest(x, targets) <= reached * size_;
 }
 
 void AkvfMethod::settle(const Points& targets, Points& x, Report& report) {
   Points best = x;
   double distance = furthest(best, targets);
-  for (int i = 0; i < settle_budget && distance > settled * diagonal_; ++i) {
+  for (int i = 0; i < settle_budget && distance > settled * size_; ++i) {
     step(targets, x, report);
     const double left = furthest(x, targets);
     if (left < distance) best = x;
@@ -75,7 +76,7 @@ void AkvfMethod::settle(const Points& targets, Points& x, Report& report) {
     distance = left;
   }
   std::swap(x, best);
-  report.converged = furthest(x, targets) <= reached * diagonal_;
+  report.converged = furthest(x, targets) <= reached * size_;
 }
 
 /// Moves x towards the targets.
@@ -97,7 +98,7 @@ void AkvfMethod::carry(const Points& targets, Points& x, Report& report) {
     Eigen::RowVector2d mean = Eigen::RowVector2d::Zero();
     for (const int row : part_rows_[part])
       mean += left.row(row) / static_cast<double>(part_rows_[part].size());
-    if (!(mean.norm() > diagonal_)) continue;
+    if (!(mean.norm() > size_)) continue;
     way[part] = mean;
     far = true;
   }

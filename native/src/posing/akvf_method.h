@@ -33,7 +33,7 @@ class AkvfMethod final : public PosingMethod {
   bool advance(double t);
   double furthest(const Points& x, const Points& targets) const;
 
-  double diagonal_;
+  double size_;
   KillingSolver solver_;
   Spirals spirals_;
   const Orientation& orientation_;

@@ -8,6 +8,7 @@
 #include "base/checks.h"
 #include "base/index.h"
 #include "mesh/orientation.h"
+#include "mesh/triangle_shape.h"
 #include "posing/akvf_method.h"
 #include "posing/hold_method.h"
 #include "posing/posing_method.h"
@@ -48,7 +49,7 @@ struct Poser::State {
       : rest(std::move(rest_)),
         pin_weight(options.pin_weight.value_or(default_pin_weight)),
         centre(centre_of(rest)),
-        orientation(rest, triangles, centre),
+        orientation(rest, triangles, flat_triangles(rest, triangles), centre),
         x(moved(rest, -centre)),
         method(make_method(x, triangles, orientation, options)),
         positions(rest) {}

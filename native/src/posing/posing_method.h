@@ -8,7 +8,7 @@
 
 namespace planar {
 
-/// No vertex moves by more than this share of the rest's box diagonal in one refine().
+/// No vertex moves by more than this share of the rest's diameter in one refine().
 constexpr double refine_limit = 0.02;
 
 /// Handles with all that a method needs to know of them, checked for sizes.

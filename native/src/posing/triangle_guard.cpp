@@ -12,16 +12,18 @@ constexpr double stiffest = 1e6;   // factor; more would cost digits in the fact
 
 }  // namespace
 
-TriangleGuard::TriangleGuard(const Points& rest, const Triangles& triangles, const Eigen::VectorXd& stiffness)
+TriangleGuard::TriangleGuard(const Points& rest, const Triangles& triangles, const Flags& flat,
+                             const Eigen::VectorXd& stiffness)
     : triangles_(triangles),
       painted_(stiffness.size() != 0 ? stiffness : Eigen::VectorXd::Ones(triangles.rows())),
       inverse_(static_cast<std::size_t>(triangles.rows())) {
   for (std::size_t t = 0; t < inverse_.size(); ++t) {
+    if (flat[static_cast<Eigen::Index>(t)]) continue;
     const int* corner = triangles_.data() + 3 * t;
     const Eigen::RowVector2d a = rest.row(corner[1]) - rest.row(corner[0]);
     const Eigen::RowVector2d b = rest.row(corner[2]) - rest.row(corner[0]);
     const double area = a.x() * b.y() - a.y() * b.x();
-    if (area != 0.0) inverse_[t] = {b.y() / area, -b.x() / area, -a.y() / area, a.x() / area};
+    inverse_[t] = {b.y() / area, -b.x() / area, -a.y() / area, a.x() / area};
   }
 }
 

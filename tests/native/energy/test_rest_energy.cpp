@@ -6,6 +6,7 @@
 
 #include "energy/rest_energy.h"
 #include "matrices.h"
+#include "mesh/triangle_shape.h"
 #include "support.h"
 
 namespace planar::testing {
@@ -17,11 +18,12 @@ struct Case {
       : shape(shape_),
         mesh(shape.vertices.rows(), shape.triangles),
         matrix(mesh, all(mesh.n_vertices)),
-        energy(shape.vertices, matrix, Orientation(shape.vertices, shape.triangles), stiffness) {}
+        energy(shape.vertices, matrix, flat_triangles(shape.vertices, shape.triangles), stiffness) {}
 
   Eigen::MatrixXd hessian(const Points& x, bool project) {
     matrix.set_zero();
-    energy.add_hessian(x, std::vector<char>(static_cast<std::size_t>(mesh.n_parts), 1), matrix, project);
+    energy.add_hessian(x, std::vector<char>(static_cast<std::size_t>(mesh.n_parts), 1), matrix,
+                       project ? 0.0 : 1.0);
     return dense(matrix.matrix());
   }
 

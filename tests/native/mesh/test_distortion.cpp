@@ -84,6 +84,25 @@ TEST(Distortion, TrianglesWithoutRestAreaDoNotCount) {
   EXPECT_EQ(d.area, d.triangle_area[0]);
 }
 
+TEST(Distortion, CollinearTrianglesDoNotCountWhereverTheyAre) {
+  // In double, some of these have an area of 1e-17 at rest, and then a Jacobian of anything.
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> value(-10.0, 10.0);
+  for (int i = 0; i < 2000; ++i) {
+    Shape shape = grid(4, static_cast<unsigned>(i));
+    shape.vertices.row(5) = 0.5 * (shape.vertices.row(4) + shape.vertices.row(8));
+    shape.triangles.row(6) << 4, 5, 8;
+    shape = moved(shape, value(random), value(random));
+    Points posed = rigid_motion(shape.vertices, value(random), 0.1, 0.2);
+    posed.row(5) += Eigen::RowVector2d(1e-3, 1e-3);
+    const Distortion d = distortion(shape.vertices, posed, shape.triangles);
+    ASSERT_EQ(d.triangle_area[6], 2.0) << i;
+    ASSERT_EQ(d.triangle_angle[6], 2.0) << i;
+    ASSERT_FALSE(d.triangle_flipped[6]) << i;
+    ASSERT_LT(d.area + d.angle, 4.1) << i;
+  }
+}
+
 TEST(Distortion, RefusesMismatchedInput) {
   const Shape shape = grid(3);
   EXPECT_THROW(distortion(shape.vertices, Points(8, 2), shape.triangles), std::invalid_argument);

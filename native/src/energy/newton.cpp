@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "energy/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/index.h"
+
+namespace planar {
+
+namespace {
+
+using Metric = NewtonSystem::Metric;
+
+// A factor costs about four steps' worth of other work at 10k vertices, so it serves while steps shrink well.
+constexpr int oldest_ahead = 6;  // steps with one factor where the next one is made ahead
+constexpr int oldest = 3;        // the same where making it does not make an event wait
+constexpr double aging = 0.3;    // of the step before: a step with an old factor that calls for a new one
+constexpr double outdated_ahead = 0.8;       // the same, at once even if that makes the event wait
+constexpr double outdated = 0.5;             // the same where it does not
+constexpr double blocked = 0.1;              // a collapse before this t calls for the Killing metric
+constexpr double margin = 0.8;               // of the way to the first collapse
+constexpr double sufficient = 1e-4;          // Armijo's constant
+constexpr double rounding = 1e-13;           // of the energy: what its evaluation may be off by
+constexpr double furthest_t = 10.0;          // of steps along which the energy falls for longer than expected
+constexpr double negligible = 1e-8;          // of the size: a step not worth taking
+constexpr double near = 5e-3;                // of the size: steps for which negative curvature may serve
+constexpr double finest_share = 1.0 / 16.0;  // of negative curvature: what is not told apart
+constexpr int halving_budget = 20;           // of a step
+// Of 320 drags of ten characters that were hard to settle, 8 took more than 60 steps without conjugate
+// directions, 4 with them from the first step on and 5 from the twelfth on; most settle before.
+constexpr int first_conjugate = 12;
+constexpr double most_conjugate = 3.0;  // of the direction before
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+Newton::Newton(const Mesh& mesh, const Springs& springs, const Eigen::VectorXd& stiffness,
+               const Orientation& orientation, double size)
+    : system_(mesh, springs, stiffness), orientation_(orientation), size_(size) {}
+
+void Newton::set_energy(RestEnergy energy, double scale) {
+  energy_ = std::move(energy);
+  scale_ = scale;
+}
+
+void Newton::begin(const Points& x) {
+  start_ = x;
+  orientation_.measure(x, area_);
+}
+
+bool Newton::keeps_upright(const Points& x) {
+  orientation_.measure(x, trial_area_);
+  for (std::size_t t = 0; t < area_.size(); ++t) {
+    if (area_[t] > 0.0 && !(trial_area_[t] > 0.0)) return false;
+  }
+  return true;
+}
+
+bool Newton::lessens(double value, double reached, double t, double slope, double error) {
+  return reached <= value + sufficient * t * slope + error;
+}
+
+/// Fills in gradient_; the value.
+double Newton::gradient(const Points& x) {
+  double value = energy_.gradient(x, gradient_);
+  if (scale_ != 1.0) {
+    value *= scale_;
+    gradient_ *= scale_;
+  }
+  return value + system_.springs().value(x, &gradient_);
+}
+
+Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
+  Outcome outcome;
+  int factors = 0;
+  last_length_ = unlimited;
+  slow_ = false;
+  kept_ = 0.0;
+  failed_ = 2.0;
+  last_decrease_ = 0.0;
+  energy_.relax(x);
+  for (int i = 0; i < budget.steps; ++i) {
+    if (i > 0) energy_.tighten(x);
+    Step step;
+    step.value = gradient(x);
+    if (!std::isfinite(step.value)) {
+      throw SolveError("the energy is not finite: the targets are too far away or the mesh is too distorted");
+    }
+    const double room = budget.limit - (x - start_).rowwise().norm().maxCoeff();
+    if (room < 1e-3 * budget.limit) return outcome;
+    const bool lacking = system_.metric() == Metric::none || system_.metric() == Metric::killing;
+    if (lacking || (!budget.ahead && age_ >= oldest)) {
+      if (factors >= budget.factors) return outcome;
+      renew(x, factors);
+    }
+    aim(x, step);
+    if (age_ > 0 && step.length > (budget.ahead ? outdated_ahead : outdated) * last_length_) {
+      if (factors >= budget.factors) return outcome;
+      renew(x, factors);
+      aim(x, step);
+    } else if (budget.ahead && step.length > aging * last_length_) {
+      age_ = oldest_ahead;
+    }
+    if (step.length < negligible * size_) {
+      outcome.converged = true;
+      return outcome;
+    }
+    const bool fresh = age_ == 0;
+    ++outcome.iterations;
+    if (i >= first_conjugate) conjugate(x, step);
+    const auto use_killing = [&] {
+      system_.factorize(Metric::killing, energy_, scale_, x);
+      ++factors;
+      aim(x, step);
+    };
+    if (step.collapse < blocked && factors < budget.factors) use_killing();
+    search(room, x, step);
+    if (step.t == 0.0 && system_.metric() != Metric::killing && factors < budget.factors) {
+      use_killing();
+      search(room, x, step);
+    }
+    if (step.t == 0.0) {
+      system_.forget();
+      return outcome;
+    }
+    ++outcome.steps;
+    ++age_;
+    const bool full = step.t >= 1.0 && system_.metric() != Metric::killing;
+    if (full && step.length < budget.settled && (fresh || last_length_ < unlimited)) {
+      outcome.converged = true;
+      return outcome;
+    }
+    slow_ = full && fresh && step.length > outdated * last_length_ && step.length < near * size_;
+    last_length_ = full ? step.length : unlimited;
+    if (!full) last_decrease_ = 0.0;
+    if (step.t < 0.5 || (!full && !fresh)) system_.forget();
+  }
+  return outcome;
+}
+
+/// Makes a new factor at x. Where the projected Hessian is too stiff to get on, as much of the negative
+/// curvature is tried as may do, by halving the interval between what is known to do and to be too much.
+void Newton::renew(const Points& x, int& factors) {
+  age_ = 0;
+  ++factors;
+  if (slow_) {
+    while (failed_ - kept_ > finest_share) {
+      const double share = failed_ > 1.0 ? 1.0 : 0.5 * (kept_ + failed_);
+      try {
+        system_.factorize(Metric::curved, energy_, scale_, x, share);
+        kept_ = share < 1.0 ? share : 0.0;
+        return;
+      } catch (const SolveError&) {
+        ++factors;
+        failed_ = share;
+        if (kept_ >= share) kept_ = 0.0;
+      }
+    }
+  }
+  kept_ = 0.0;
+  failed_ = 2.0;
+  system_.factorize(Metric::projected, energy_, scale_, x);
+}
+
+bool Newton::due() const { return system_.metric() != Metric::projected || age_ >= oldest_ahead; }
+
+void Newton::renew_ahead(const Points& x) noexcept {
+  age_ = 0;
+  try {
+    system_.factorize(Metric::projected, energy_, scale_, x);
+  } catch (const SolveError&) {
+    // Who needs the factor tries again, and reports it if it still fails.
+  }
+}
+
+void Newton::aim(const Points& x, Step& step) {
+  system_.solve(gradient_, direction_);
+  step.slope = gradient_.cwiseProduct(direction_).sum();
+  step.length = direction_.rowwise().norm().maxCoeff();
+  step.collapse = energy_.first_collapse(x, direction_);
+}
+
+/// Adds a share of the direction before to this one, so that it does not undo what that reached; unless the
+/// sum is not downhill enough or comes too near to a collapse.
+void Newton::conjugate(const Points& x, Step& step) {
+  const double before = last_decrease_;
+  last_decrease_ = -step.slope;
+  std::swap(last_direction_, trial_);
+  if (before > 0.0) {
+    const double share = -direction_.cwiseProduct(gradient_ - last_gradient_).sum() / before;
+    if (share > 0.0) {
+      further_ = direction_ + std::min(share, most_conjugate) * trial_;
+      const double slope = gradient_.cwiseProduct(further_).sum();
+      const double collapse = energy_.first_collapse(x, further_);
+      if (slope < 0.1 * step.slope && collapse >= 1.0) {
+        std::swap(direction_, further_);
+        step.slope = slope;
+        step.collapse = collapse;
+      }
+    }
+  }
+  last_gradient_ = gradient_;
+  last_direction_ = direction_;
+}
+
+Newton::Step Newton::step_at(const Points& x, Points& direction) {
+  Step step;
+  step.value = gradient(x);
+  if (!std::isfinite(step.value)) return step;
+  system_.factorize(Metric::projected, energy_, scale_, x);
+  aim(x, step);
+  direction = direction_;
+  return step;
+}
+
+/// Moves x along the direction, no vertex further than `longest`.
+void Newton::search(double longest, Points& x, Step& step) {
+  const double length = direction_.rowwise().norm().maxCoeff();
+  const double most = std::min(margin * step.collapse, longest / length);
+  double t = std::min(1.0, most), reached = 0.0;
+  for (int halvings = 0;; ++halvings, t *= 0.5) {
+    if (halvings > halving_budget) return;
+    trial_ = x + t * direction_;
+    reached = value(trial_);
+    if (lessens(step.value, reached, t, step.slope, rounding * std::abs(step.value)) &&
+        keeps_upright(trial_)) {
+      break;
+    }
+  }
+  if (t == 1.0) {
+    // Where the energy bends less than its Hessian said, further along is better still.
+    const double bend = 2.0 * (reached - step.value - step.slope);
+    double further = std::min(most, bend > 0.0 ? std::min(-step.slope / bend, furthest_t) : furthest_t);
+    for (int tries = 0; tries < 2 && further > 1.5; ++tries, further = std::sqrt(further)) {
+      further_ = x + further * direction_;
+      if (!(value(further_) < reached && keeps_upright(further_))) continue;
+      std::swap(trial_, further_);
+      t = further;
+      break;
+    }
+  }
+  std::swap(x, trial_);
+  step.t = t;
+}
+
+}  // namespace planar
