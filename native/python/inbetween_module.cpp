@@ -175,7 +175,7 @@ between two keys depends on no other (None: from the keys' means). turns: extra 
 (K-1) x parts. anchor: vertices whose mean, part by part, moves on anchor_path "straight" or "arc" (None: the centroid of each
 part), or a list of K-1 such sets and None. joints: K-1 arrays k x 2 or None, of layers that hang together: rows of a vertex of the
 carrying part and one of the carried part, which stay next to each other as in the keys. smooth: velocities are continuous at the keys, too; what rests or turns back at a key
-does so without overshoot, and what is between two keys then depends on the ones next to them as well. tolerance of [AIAP 11], a share of the box diagonal. The result does not depend on threads (0: one per core).
+does so without overshoot, and what is between two keys then depends on the ones next to them as well. tolerance of [AIAP 11], a share of the diagonal of the square that holds the keys however they are turned. The result does not depend on threads (0: one per core).
 
 method "midpoint" solves on a grid that depends on the keys alone and samples it: any times give the same frames. Where triangles
 would be flipped though they are not in the keys, the motion between those is tracked so that none is. "paper" and "global" are
@@ -184,6 +184,16 @@ the paper's Algorithms 2 and 1, with [AIAP 8] corrected: two keys, uniform times
 progress(share) is called now and then; it answers True, False or None, and False raises Cancelled.
 Returns f x n x 2; at a key's time that key, to the bit. Raises ValueError (shape, dtype, not finite, out of range), SolveError and
 Cancelled.)");
+
+  auto report_class = py::class_<TransitionReport>(
+      m, "TransitionReport", "What became of the way from one key to the next.", made_by_the_library());
+  report_class.attr("__module__") = "planar_native";
+  report_class.def_readonly("iterations", &TransitionReport::iterations, "of the solution")
+      .def_readonly("converged", &TransitionReport::converged,
+                    "within max_iterations; tracked frames likewise")
+      .def_readonly(
+          "unrepaired", &TransitionReport::unrepaired,
+          "parts whose triangles lie the other way round in one key than in the other: they flip on the way");
 
   auto motion_class = py::class_<SharedInbetweens, InbetweensRef>(
       m, "Inbetweens",
@@ -204,7 +214,13 @@ Arguments and errors as inbetween. Threads may share an object: calls on it wait
 
 The shapes at times, f, in any order. With overshoot they may lie outside of the keys' times, by no more than the outermost two
 keys are apart: there the motion goes on with the velocities that it has at the key. Returns f x n x 2. Raises ValueError and
-SolveError.)");
+SolveError.)")
+      .def_property_readonly(
+          "report",
+          [](const InbetweensRef& shared) {
+            return shared->motion.with([](const Inbetweens& motion) { return motion.report(); });
+          },
+          "K-1 reports on the solution, each a TransitionReport.");
 }
 
 }  // namespace planar::python

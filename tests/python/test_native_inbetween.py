@@ -51,6 +51,18 @@ def test_the_solved_motion_gives_the_same_frames():
     assert np.abs(motion.at(np.arange(25, 0, -1))[::-1] - frames).max() < 1e-12
 
 
+def test_the_report_says_what_converged_and_what_flips():
+    bent = rolled(REST, 1.0)
+    good = planar_native.Inbetweens([REST, bent, REST], triangles=TRIANGLES).report
+    assert [(report.converged, report.unrepaired) for report in good] == [(True, []), (True, [])]
+    (stopped,) = planar_native.Inbetweens(
+        [REST, rolled(REST, 3.0)], triangles=TRIANGLES, tolerance=1e-9, max_iterations=1
+    ).report
+    assert (stopped.converged, stopped.iterations) == (False, 1)
+    (mirrored,) = planar_native.Inbetweens([REST, REST * [1, -1]], triangles=TRIANGLES).report
+    assert mirrored.unrepaired == [0]
+
+
 @pytest.mark.parametrize("method", ["paper", "global"])
 def test_the_papers_methods(method):
     keys = [REST, rolled(REST, np.radians(60))]

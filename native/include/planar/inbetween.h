@@ -38,8 +38,8 @@ struct InbetweenOptions {
   /// K times of the keys, ascending, their differences finite; empty: 0, 1, ..., K-1.
   Eigen::VectorXd key_times{};
 
-  /// n×2 rest shape, or empty. It gives the lengths and the box that weights and tolerance refer to, in place
-  /// of the keys' means, so that what is between two keys depends on no other key.
+  /// n×2 rest shape, or empty. It gives the lengths and the size that weights and tolerance refer to, in
+  /// place of the keys' means, so that what is between two keys depends on no other key.
   Points rest{};
 
   /// (K-1)×parts extra whole turns between two keys, counter-clockwise, at most 100; a single column is for
@@ -61,7 +61,8 @@ struct InbetweenOptions {
   /// keys then depends on the two next to them as well, and on the times.
   bool smooth = false;
 
-  /// [AIAP 11]: a solution has converged when no vertex moves by more than this share of the box diagonal.
+  /// [AIAP 11]: a solution has converged when no vertex moves by more than this share of the box diagonal; of
+  /// the square that holds the shapes however they are turned, so that turned keys give turned frames.
   double tolerance = 5e-4;
   int max_iterations = 100;
 
@@ -69,6 +70,16 @@ struct InbetweenOptions {
 
   /// Called with the share of the work done, in the caller's thread; false stops by `Cancelled`.
   std::function<bool(double)> progress{};
+};
+
+/// What became of the way from one key to the next.
+struct TransitionReport {
+  int iterations = 0;     ///< of the solution
+  bool converged = true;  ///< within InbetweenOptions::max_iterations; tracked frames (departure 6) likewise
+
+  /// Parts in which triangles lie the other way round in one key than in the other: they flip on the way,
+  /// which nothing can keep them from. (Numbered as for InbetweenOptions::turns.)
+  std::vector<int> unrepaired{};
 };
 
 /// Shapes between key shapes, as isometric as possible [AIAP]: solved once, then sampled at any
@@ -140,6 +151,9 @@ class Inbetweens {
   /// share of them done, in the caller's thread; false stops by `Cancelled`.
   std::vector<Points> at(const Eigen::VectorXd& times, Outside outside = Outside::refuse,
                          const std::function<bool(double)>& progress = {}) const;
+
+  /// K-1 reports on the solution.
+  const std::vector<TransitionReport>& report() const;
 
  private:
   struct State;

@@ -96,6 +96,14 @@ def inbetween(
     progress: Callable[[float], bool | None] | None = None,
 ) -> NDArray[float64]: ...
 
+class TransitionReport:
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def converged(self) -> bool: ...
+    @property
+    def unrepaired(self) -> list[int]: ...
+
 class Inbetweens:
     def __init__(
         self,
@@ -116,6 +124,8 @@ class Inbetweens:
         progress: Callable[[float], bool | None] | None = None,
     ) -> None: ...
     def at(self, times: ArrayLike, *, overshoot: bool = False) -> NDArray[float64]: ...
+    @property
+    def report(self) -> list[TransitionReport]: ...
 
 def transfer_motion(
     frames: ArrayLike,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inbetween/flip_repair.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "inbetween/part_condition.h"
@@ -22,15 +23,20 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
   const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(last + 1, 0.0, 1.0);
   frames_ = frames(u);
   const auto conditions = conditions_of_parts(graph, from, to, frames_, u, team);
+  for (std::size_t part = 0; part < conditions.size(); ++part) {
+    if (conditions[part] == PartCondition::hopeless) hopeless_.push_back(static_cast<int>(part));
+  }
   const Triangles triangles = triangles_of_parts(graph, conditions, PartCondition::failing);
   if (triangles.rows() == 0) return;
   auto trackers = FrameTracker::one_a_thread(team, triangles, from, to);
   tracked_ = frames_;
+  std::vector<char> settles(frames_.size(), 1);
   const auto step = [&](Eigen::Index k, Eigen::Index neighbour, std::size_t thread) {
     const Points& y = frames_[static_cast<std::size_t>(k)];
     const auto start = static_cast<std::size_t>(neighbour);
     tracked_[static_cast<std::size_t>(k)] =
         trackers.of(thread).follow(tracked_[start], frames_[start], y, u[k], tracked_settled);
+    settles[static_cast<std::size_t>(k)] = trackers.of(thread).converged();
   };
   // Both ways in step, so that progress can be told in this thread.
   for (Eigen::Index k = 1; k <= last / 2; ++k) {
@@ -39,6 +45,7 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
       way == 0 ? step(k, k - 1, thread) : step(last - k, last - k + 1, thread);
     });
   }
+  converged_ = std::all_of(settles.begin(), settles.end(), [](char does) { return does != 0; });
   trackers_ = std::make_unique<PerThread<FrameTracker>>(std::move(trackers));
 }
 

@@ -29,10 +29,17 @@ class FlipRepair {
 
   bool needed() const { return trackers_ != nullptr; }
 
+  /// Parts that are PartCondition::hopeless.
+  const std::vector<int>& hopeless_parts() const { return hopeless_; }
+  /// Whether each tracked frame settled.
+  bool converged() const { return converged_; }
+
   /// The frame at u, which is y before repair. Different threads may call it at once.
   Points repaired(const Points& y, double u, std::size_t thread) const;
 
  private:
+  std::vector<int> hopeless_;
+  bool converged_ = true;
   std::vector<Points> frames_, tracked_;               ///< at uniform u, keys included; before, after repair
   std::unique_ptr<PerThread<FrameTracker>> trackers_;  ///< none if there is nothing to repair
 };

@@ -63,6 +63,7 @@ struct Inbetweens::State {
       transitions.push_back({{graph, assembler, from, to, turns, part_turns, settings, team},
                              {graph, from, to, anchors[k], joints[k], course},
                              nullptr});
+      reports.push_back({transitions.back().edges.iterations(), transitions.back().edges.converged()});
     }
     if (options.smooth) join_transitions();
     for (std::size_t k = 0; k < anchors.size(); ++k) repair(k, progress_of(options, 0.5, k));
@@ -96,6 +97,8 @@ struct Inbetweens::State {
     };
     auto repair = std::make_unique<FlipRepair>(graph, keys[k], keys[k + 1], transitions[k].edges.steps(),
                                                unrepaired, progress, team);
+    reports[k].unrepaired = repair->hopeless_parts();
+    reports[k].converged = reports[k].converged && repair->converged();
     if (repair->needed()) transitions[k].repair = std::move(repair);
   }
 
@@ -174,6 +177,7 @@ struct Inbetweens::State {
   FrameAssembler assembler;
   ThreadTeam team;
   std::vector<Transition> transitions;
+  std::vector<TransitionReport> reports;
 };
 
 namespace {
@@ -220,6 +224,8 @@ std::vector<Points> Inbetweens::at(const Eigen::VectorXd& times, Outside outside
                                    const std::function<bool(double)>& progress) const {
   return state_->sample(times, outside, progress);
 }
+
+const std::vector<TransitionReport>& Inbetweens::report() const { return state_->reports; }
 
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
                               const Triangles& triangles, const InbetweenOptions& options) {

@@ -121,8 +121,9 @@ ComplexRows MidpointTransition::iterate(const EdgeGraph& graph, const FrameAssem
     const double furthest = std::sqrt(moved.maxCoeff<Eigen::PropagateNaN>());
     if (!std::isfinite(furthest))
       throw SolveError("the in-betweens overflow: are the keys' numbers sensible?");
-    if (iteration > 0 && furthest < settings.tolerance) return points;
-    if (iteration == settings.max_iterations) return points;
+    iterations_ = iteration;
+    converged_ = iteration > 0 && furthest < settings.tolerance;
+    if (converged_ || iteration == settings.max_iterations) return points;
     settings.progress(0.5 * iteration / (iteration + 4.0));  // most transitions take about four
     team.run_blocks(edges_.rows(), edges_per_task,
                     [&](Eigen::Index i) { minimise_midpoint_energy(edges_.row(i)); });

@@ -43,6 +43,10 @@ class MidpointTransition {
 
   Eigen::Index steps() const { return steps_; }
 
+  /// Of (11), and whether they were enough.
+  int iterations() const { return iterations_; }
+  bool converged() const { return converged_; }
+
  private:
   using Table = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -55,6 +59,8 @@ class MidpointTransition {
   double last_slope(const Table& of, Eigen::Index edge) const;
 
   Eigen::Index steps_;
+  int iterations_ = 0;
+  bool converged_ = false;
   ComplexRows edges_;                                              ///< frames 0..steps_
   Table length_, angle_;                                           ///< of edges_
   std::vector<SlopeChange<double>> length_change_, angle_change_;  ///< none unless joined
