@@ -150,7 +150,7 @@ def test_whatever_begins_ends_what_is_running(first, second):
         one.end()  # as its operator does it, at its next event
     assert running.now() is other
     assert held(obj) == during
-    assert snapshot.following() == (second not in ("waiting", "job"))
+    assert snapshot.following(obj) == (second not in ("waiting", "job"))
 
 
 @pytest.mark.parametrize("first", STARTERS)
@@ -207,6 +207,7 @@ def test_undo_and_another_file_end_it_and_do_what_they_do(first, event):
     from planar_deform.scene.view import snapshot
 
     obj = scene()
+    uid = obj.session_uid
     bpy.ops.ed.undo_push(message="Start")
     states = [held(obj)]
     obj.data.vertices[0].co.x += 0.5
@@ -221,7 +222,7 @@ def test_undo_and_another_file_end_it_and_do_what_they_do(first, event):
         getattr(bpy.ops.ed, event)()
         assert held(bpy.data.objects["Cutout"]) == states[event == "redo"]
     assert running.now() is None
-    assert not snapshot.following()
+    assert uid not in snapshot._followed
     assert getattr(run, "ended", True)
     assert getattr(run, "stopped", True)
 
