@@ -14,7 +14,7 @@ namespace {
 
 using Metric = NewtonSystem::Metric;
 
-// A factor costs about four steps' worth of other work at 10k vertices, so it serves while steps shrink well.
+// A factor costs more than a step, so it serves while steps shrink well.
 constexpr int oldest_ahead = 6;  // steps with one factor where the next one is made ahead
 constexpr int oldest = 3;        // the same where making it does not make an event wait
 constexpr double aging = 0.3;    // of the step before: a step with an old factor that calls for a new one

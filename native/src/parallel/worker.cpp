@@ -72,8 +72,8 @@ Worker::Worker() = default;
 
 Worker::~Worker() { own_thread(); }
 
-/// None if it belongs to the process that this one was forked from. What that one shared with it can neither be
-/// used nor destroyed here: both would wait for a thread that is not there.
+/// None if it belongs to the process that this one was forked from. What that one shared with it can neither
+/// be used nor destroyed here: both would wait for a thread that is not there.
 Worker::Thread* Worker::own_thread() noexcept {
   if (thread_ && thread_->process != process_number()) (void)thread_.release();
   return thread_.get();

@@ -10,9 +10,9 @@ namespace planar {
 /// One thread that lives as long as the object (a move takes milliseconds, too little to start a thread for)
 /// and does one task at a time. It starts with the first task.
 ///
-/// Where no thread is to be had, start() does the task itself: it takes longer, but nothing fails. In a process
-/// that was forked, which has its parent's memory but not its threads, the next task starts a new one; this holds
-/// if no task was under way.
+/// Where no thread is to be had, start() does the task itself: it takes longer, but nothing fails. In a
+/// process that was forked, which has its parent's memory but not its threads, the next task starts a new
+/// one; this holds if no task was under way.
 class Worker {
  public:
   Worker();
