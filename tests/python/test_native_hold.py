@@ -159,17 +159,42 @@ def test_the_report_tells_the_furthest_handle():
         assert poser.report.flipped == 0
 
 
+def parts_of(triangles):
+    """The rows of triangles that hang together by their vertices, part by part."""
+    label = np.arange(triangles.max() + 1)
+    while True:
+        lowest = label[triangles].min(axis=1)
+        before = label.copy()
+        np.minimum.at(label, triangles, lowest[:, None].repeat(3, axis=1))
+        if np.array_equal(label, before):
+            return [np.flatnonzero(label[triangles[:, 0]] == part) for part in np.unique(label[triangles])]
+
+
 def flipped(rest, posed, triangles):
-    """Triangles of a clear orientation at rest that lie the other way round, all rounded to float32."""
+    """Triangles that can be seen at rest and lie the other way round, all rounded to float32.
+
+    Those that cannot are small or thin beside the median one of their part, or in float32.
+    """
 
     def doubled_areas(points):
-        a, b, c = (points.astype(np.float32).astype(float)[triangles[:, i]] for i in range(3))
+        a, b, c = (points[triangles[:, i]] for i in range(3))
         return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
 
-    before = doubled_areas(rest)
+    def rounded(points):
+        return points.astype(np.float32).astype(float)
+
     sides = np.linalg.norm(rest[triangles] - rest[np.roll(triangles, 1, axis=1)], axis=2).max(axis=1)
-    clear = np.abs(before) > 1e-6 * np.abs(rest[triangles]).max(axis=(1, 2)) * sides
-    return int((clear & (np.sign(before) * doubled_areas(posed) < 0)).sum())
+    area = np.abs(doubled_areas(rest))
+    altitude = area / sides
+    clear = area > 1e-6 * np.abs(rest[triangles]).max(axis=(1, 2)) * sides
+    for part in parts_of(triangles):
+        some = part[altitude[part] > np.finfo(np.float32).eps * sides[part]]  # more than rounding errors
+        if len(some):
+            least = 1.01e-6 * np.sort(area[some])[len(some) // 2]  # a hundredth above the library's
+            thinnest = 1.01e-3 * np.sort(altitude[some])[len(some) // 2]
+            clear[part] &= (area[part] > least) & (altitude[part] > thinnest)
+    before, after = doubled_areas(rounded(rest)), doubled_areas(rounded(posed))
+    return int((clear & (np.sign(before) * after < 0)).sum())
 
 
 @st.composite
