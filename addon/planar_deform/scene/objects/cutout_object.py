@@ -152,7 +152,8 @@ class SceneCutout(FlatObject):
         distance = (self._depths[part] - float((origin - self._origin) @ self.frame.n)) / slope
         if distance < 0.0:
             return None
-        return self.from_world((origin + distance * direction)[None, :])[0]
+        place: Array = self.from_world((origin + distance * direction)[None, :])[0]
+        return place
 
     def pick(self, origin: Array, direction: Array) -> MeshPoint | None:
         """The point of the shown mesh that a world ray meets first; None where it misses or is edge-on."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import ObjectGone, Refusal
 from ...model.plane.cutout import diagonal_of
-from ...model.plane.frame import Array, Indices, Mask, PlaneFrame, mapped
+from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped
 from ...model.posing import solving
 from ..storage import migration, points, shape_keys
 from .pose_store import Target
@@ -116,7 +116,7 @@ class FlatObject:
         """Plane coordinates k x 2 of k x 3 world points."""
         return self.frame.flatten(places - self._origin)
 
-    def flattened(self, shape: np.ndarray) -> Array:
+    def flattened(self, shape: Array32) -> Array:
         """Plane coordinates n x 2 of any shape of the object, see storage/points.py. Raises Refusal."""
         places = shape[self.vertex_indices, :3].astype(np.float64)
         if not np.isfinite(places).all():
@@ -125,7 +125,7 @@ class FlatObject:
             )
         return self.from_local(places)
 
-    def coordinates(self, positions: Array) -> np.ndarray:
+    def coordinates(self, positions: Array) -> Array32:
         """The shape, see storage/points.py, in which the object shows n x 2 positions.
 
         Raises Refusal beyond what Blender can store.
@@ -133,7 +133,7 @@ class FlatObject:
         shown = self._target.shown.astype(np.float32)
         return self._placed(shown, self.positions, positions, np.ones_like(self._share))
 
-    def moved(self, shape: np.ndarray, positions: Array) -> np.ndarray:
+    def moved(self, shape: Array32, positions: Array) -> Array32:
         """Any shape of the object with its points of the plane taken to n x 2 positions.
 
         What the plane does not tell stays: depths, and points that nothing joins. Raises Refusal beyond what
@@ -151,7 +151,7 @@ class FlatObject:
         """
         self._store(self._placed(self._target.begin, self.positions, positions, self._share))
 
-    def show(self, shape: np.ndarray) -> None:
+    def show(self, shape: Array32) -> None:
         """Show a shape, see storage/points.py, of an object with a pose sequence."""
         self._store(shape)
 
@@ -172,7 +172,7 @@ class FlatObject:
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
         return obj
 
-    def _placed(self, begin: np.ndarray, start: Array, positions: Array, share: Array) -> np.ndarray:
+    def _placed(self, begin: Array32, start: Array, positions: Array, share: Array) -> Array32:
         moved = np.flatnonzero(np.any(positions != start, axis=1))
         offsets = mapped(self.frame.lift(positions[moved] - start[moved]), self._inverse)
         offsets /= share[moved]
@@ -184,7 +184,7 @@ class FlatObject:
             raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
         return shape
 
-    def _store(self, shape: np.ndarray) -> None:
+    def _store(self, shape: Array32) -> None:
         obj = self.resolve()
         self._target.store(obj, shape)
         points.update(obj)

@@ -9,18 +9,19 @@ import bpy
 import numpy as np
 
 from ...model.plane.cutout import NEUTRAL
+from ...model.plane.frame import Array
 from ..storage.vertex_groups import Members, members
 
 GROUP_NAME = "Stiffness"
 
 
-def painted(obj: bpy.types.Object) -> np.ndarray | None:
+def painted(obj: bpy.types.Object) -> Array | None:
     """The stiffness painted on each vertex (count,), neutral outside of the group; None without a group."""
     name = obj.planar.stiffness_group
     return spread(members(obj, [name]).get(name), len(obj.data.vertices))
 
 
-def spread(group: Members | None, count: int) -> np.ndarray | None:
+def spread(group: Members | None, count: int) -> Array | None:
     """The same from the members of the group, read before, on a mesh of so many vertices."""
     if group is None:
         return None
@@ -30,7 +31,7 @@ def spread(group: Members | None, count: int) -> np.ndarray | None:
     return stiffness
 
 
-def stamp(painted: np.ndarray | None) -> str:
+def stamp(painted: Array | None) -> str:
     """A short text that is another one for another painting; the same for none and for a neutral one."""
     if painted is None or (painted == NEUTRAL).all():
         return "neutral"

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ...model.plane.cutout import connected_parts
-from ...model.plane.frame import Indices
+from ...model.plane.frame import Array32, Indices
 from ..storage.topology import corner_vertices
 
 CAPACITY = 8  # meshes
@@ -30,7 +30,7 @@ class Faces:
 _kept: OrderedDict[bytes, Faces] = OrderedDict()
 
 
-def faces_of(mesh: bpy.types.Mesh, rest: np.ndarray) -> Faces:
+def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
     """The mesh's faces, quads and n-gons cut into triangles as they lie in `rest` (count x 3).
 
     A pose must not change how faces are cut, so the mesh's own triangulation, which follows the current
@@ -38,12 +38,12 @@ def faces_of(mesh: bpy.types.Mesh, rest: np.ndarray) -> Faces:
     """
     mesh.calc_loop_triangles()
     whole = len(mesh.loop_triangles) == len(mesh.polygons)
-    key = hashlib.blake2b(corner_vertices(mesh))
+    key = hashlib.blake2b(corner_vertices(mesh).tobytes())
     if not whole:
         starts = np.empty(len(mesh.polygons), np.int32)
         mesh.polygons.foreach_get("loop_start", starts)
-        key.update(starts)
-        key.update(rest)
+        key.update(starts.tobytes())
+        key.update(rest.tobytes())
     digest = key.digest()
     if digest not in _kept:
         _kept[digest] = _faces(_own_triangles(mesh) if whole else _cut(mesh, rest))
@@ -70,7 +70,7 @@ def _own_triangles(mesh: bpy.types.Mesh) -> Indices:
     return triangles.reshape(-1, 3)
 
 
-def _cut(mesh: bpy.types.Mesh, rest: np.ndarray) -> Indices:
+def _cut(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
     copy = bmesh.new()
     try:
         copy.from_mesh(mesh, face_normals=False, vertex_normals=False)

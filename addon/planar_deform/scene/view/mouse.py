@@ -90,5 +90,5 @@ def on_ring(
     region: bpy.types.Region, view: bpy.types.RegionView3D, ring: Ring, mouse: Sequence[float]
 ) -> bool:
     """Whether the mouse is on the ring."""
-    scale = bpy.context.preferences.system.ui_scale
+    scale: float = bpy.context.preferences.system.ui_scale
     return abs(pixels_to(region, view, ring.centre, mouse) - RING * scale) <= NEAR_RING * scale

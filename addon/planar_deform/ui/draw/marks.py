@@ -25,6 +25,9 @@ RIM = (0.04, 0.04, 0.05, 0.95)
 LIT = (1.0, 1.0, 1.0, 1.0)
 MISSED = (1.0, 0.22, 0.20, 1.0)
 
+Colour = tuple[float, ...]  # red, green, blue and alpha
+Corners = list[tuple[float, float]]
+
 _TURNS = 32
 _CIRCLE = [(math.cos(math.tau * i / _TURNS), math.sin(math.tau * i / _TURNS)) for i in range(_TURNS)]
 _SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -46,7 +49,7 @@ def pixels(region: bpy.types.Region) -> Iterator[None]:
             gpu.state.blend_set("NONE")
 
 
-def draw_point(centre: Vector, scale: float, fill: tuple, *, lit: bool, active: bool) -> None:
+def draw_point(centre: Vector, scale: float, fill: Colour, *, lit: bool, active: bool) -> None:
     """A point pin."""
     radius = RADIUS * scale
     with gpu.matrix.push_pop():
@@ -57,7 +60,9 @@ def draw_point(centre: Vector, scale: float, fill: tuple, *, lit: bool, active: 
             _shape("disc", _CIRCLE, radius * 0.36, RIM)
 
 
-def draw_patch(centre: Vector, turned: Vector, scale: float, fill: tuple, *, lit: bool, active: bool) -> None:
+def draw_patch(
+    centre: Vector, turned: Vector, scale: float, fill: Colour, *, lit: bool, active: bool
+) -> None:
     """A patch pin, turned so that its handle points along `turned`."""
     radius = RADIUS * scale
     with gpu.matrix.push_pop():
@@ -106,7 +111,7 @@ def draw_gap(place: Vector, target: Vector, scale: float) -> None:
         _outline("circle", _CIRCLE, RADIUS * 0.6 * scale, MISSED, OUTLINE * scale)
 
 
-def draw_box(left: float, bottom: float, right: float, top: float, colour: tuple) -> None:
+def draw_box(left: float, bottom: float, right: float, top: float, colour: Colour) -> None:
     """A box, filled."""
     with gpu.matrix.push_pop():
         gpu.matrix.translate((0.5 * (left + right), 0.5 * (bottom + top)))
@@ -119,7 +124,7 @@ def forget() -> None:
     _batches.clear()
 
 
-def _rim(name: str, corners: list, radius: float, scale: float, lit: bool) -> None:
+def _rim(name: str, corners: Corners, radius: float, scale: float, lit: bool) -> None:
     if lit:
         _outline(name, corners, radius + 1.5 * scale, RIM, 2.5 * OUTLINE * scale)
         _outline(name, corners, radius + 0.5 * scale, LIT, 1.25 * OUTLINE * scale)
@@ -127,7 +132,7 @@ def _rim(name: str, corners: list, radius: float, scale: float, lit: bool) -> No
         _outline(name, corners, radius, RIM, OUTLINE * scale)
 
 
-def _shape(name: str, corners: list, radius: float, color: tuple) -> None:
+def _shape(name: str, corners: Corners, radius: float, color: Colour) -> None:
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     if name not in _batches:
         triangles = [(0, i, i + 1) for i in range(1, len(corners) - 1)]
@@ -139,7 +144,7 @@ def _shape(name: str, corners: list, radius: float, color: tuple) -> None:
         _batches[name].draw(shader)
 
 
-def _outline(name: str, corners: list, radius: float, color: tuple, width: float) -> None:
+def _outline(name: str, corners: Corners, radius: float, color: Colour, width: float) -> None:
     shader = _pen(color, width)
     if name not in _batches:
         _batches[name] = batch_for_shader(shader, "LINE_STRIP", {"pos": [*corners, corners[0], corners[1]]})
@@ -148,7 +153,7 @@ def _outline(name: str, corners: list, radius: float, color: tuple, width: float
         _batches[name].draw(shader)
 
 
-def _line(start: Vector, end: Vector, color: tuple, width: float) -> None:
+def _line(start: Vector, end: Vector, color: Colour, width: float) -> None:
     shader = _pen(color, width)
     if "line" not in _batches:
         _batches["line"] = batch_for_shader(shader, "LINES", {"pos": [(0.0, 0.0), (1.0, 0.0)]})
@@ -160,7 +165,7 @@ def _line(start: Vector, end: Vector, color: tuple, width: float) -> None:
         _batches["line"].draw(shader)
 
 
-def _pen(color: tuple, width: float) -> gpu.types.GPUShader:
+def _pen(color: Colour, width: float) -> gpu.types.GPUShader:
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     shader.bind()
     shader.uniform_float("color", color)

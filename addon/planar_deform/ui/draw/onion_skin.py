@@ -12,6 +12,7 @@ from mathutils import Matrix
 
 from ...scene.view import onion
 from ...scene.view.onion import Onion
+from .marks import Colour
 
 CLASSES = ()
 
@@ -21,7 +22,7 @@ BEHIND = (0.30, 0.42, 1.0, 0.9)
 WIDTH = 1.75  # pixels at a UI scale of 1
 
 
-Skins = tuple[tuple[tuple, gpu.types.GPUBatch], ...]  # colour and outline of each
+Skins = tuple[tuple[Colour, gpu.types.GPUBatch], ...]  # colour and outline of each
 
 _made: WeakKeyDictionary[Onion, Skins] = WeakKeyDictionary()  # for as long as that is kept
 _handle: object | None = None

@@ -11,6 +11,7 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
+from ...model.plane.frame import Array, Array32
 from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
 from ...scene.view.snapshot import Snapshot
@@ -61,14 +62,16 @@ _bar: gpu.types.GPUBatch | None = None
 _handles: list[object] = []
 
 
-def colours(shares: np.ndarray) -> np.ndarray:
+def colours(shares: Array) -> Array32:
     """The colours (k x 4 float32) of places (k,) on the scale, from 0 to 1."""
-    return _SCALE[np.rint(shares * (_STEPS - 1)).astype(np.intp)]
+    result: Array32 = _SCALE[np.rint(shares * (_STEPS - 1)).astype(np.intp)]
+    return result
 
 
-def share(distortion: np.ndarray | float) -> np.ndarray:
+def share(distortion: Array | float) -> Array:
     """Where values of distortion, from 2 to infinity, are on the scale."""
-    return np.minimum(np.arccosh(np.maximum(distortion, 2.0) / 2.0) / np.arccosh(WORST / 2.0), 1.0)
+    result: Array = np.minimum(np.arccosh(np.maximum(distortion, 2.0) / 2.0) / np.arccosh(WORST / 2.0), 1.0)
+    return result
 
 
 def _shown(context: bpy.types.Context) -> tuple[Snapshot, str] | None:
@@ -157,8 +160,10 @@ def _draw_legend() -> None:
 def _right_edge(context: bpy.types.Context) -> float:
     """Where the part of the view begins that the sidebar covers."""
     sidebar = next((region for region in context.area.regions if region.type == "UI"), None)
-    covers = sidebar is not None and sidebar.width > 1 and context.preferences.system.use_region_overlap
-    return context.region.width - (sidebar.width if covers else 0)
+    width: float = context.region.width
+    if sidebar is not None and sidebar.width > 1 and context.preferences.system.use_region_overlap:
+        width -= sidebar.width
+    return width
 
 
 def _draw_bar(left: float, bottom: float, width: float, height: float) -> None:

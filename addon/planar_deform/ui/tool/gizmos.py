@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
+from ...model.plane.frame import Array
 from ...scene.view import snapshot
-from ...scene.view.mouse import REACH, RING, on_ring, pin_under, pixels_to, ring_about
+from ...scene.view.mouse import REACH, RING, Ring, on_ring, pin_under, pixels_to, ring_about
+from ...scene.view.snapshot import PinPlace
 from ..draw import marks
 from .tool_state import pose_tool_is_active
 
@@ -21,10 +24,12 @@ BESIDE_KNOB = 24.0  # pixels from the ring to the angle written beside it
 class PLANAR_GT_pin(bpy.types.Gizmo):
     bl_idname = "PLANAR_GT_pin"
 
-    # The pin's index; where it is now, if anywhere; and where all pins of the view are.
     __slots__ = ("all_marks", "key", "mark")
+    all_marks: list[PinPlace]  # where all pins of the view are
+    key: int  # the pin's index
+    mark: PinPlace | None  # where it is now, if anywhere
 
-    def test_select(self, context, location):
+    def test_select(self, context: bpy.types.Context, location: Sequence[float]) -> int:
         """Whether the mouse is on this pin and on no other one more closely."""
         if self.mark is None:
             return -1
@@ -34,7 +39,7 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
         nearer = (_distance(context, mark.place, location) < own for mark in self.all_marks)
         return -1 if any(nearer) else 0
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         settings = context.object.planar
         if self.mark is None or self.key >= len(settings.pins):
             return
@@ -44,7 +49,7 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
         if place is None:
             return
         scale = context.preferences.system.ui_scale
-        fill = marks.SELECTED if pin.select else marks.PLAIN
+        fill: marks.Colour = marks.SELECTED if pin.select else marks.PLAIN
         if not pin.enabled:
             fill = tuple(0.5 * (a + b) for a, b in zip(fill, marks.OFF, strict=True))
         state = {"lit": self.is_highlight, "active": settings.active_pin == self.key}
@@ -61,10 +66,11 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
 class PLANAR_GT_ring(bpy.types.Gizmo):
     bl_idname = "PLANAR_GT_ring"
 
-    # What the ring is about, if anything; and where all pins of the view are.
     __slots__ = ("all_marks", "ring")
+    all_marks: list[PinPlace]  # where all pins of the view are
+    ring: Ring | None  # what the ring is about, if anything
 
-    def test_select(self, context, location):
+    def test_select(self, context: bpy.types.Context, location: Sequence[float]) -> int:
         """Whether the mouse is on the ring and on no pin."""
         if self.ring is None:
             return -1
@@ -73,7 +79,7 @@ class PLANAR_GT_ring(bpy.types.Gizmo):
             return -1
         return 0 if on_ring(region, view, self.ring, location) else -1
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         if self.ring is None:
             return
         region, ring, patch = context.region, self.ring, self.ring.patch
@@ -98,25 +104,25 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
     bl_options = {"3D", "SCALE", "PERSISTENT", "SHOW_MODAL_ALL"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return pose_tool_is_active(context)
 
-    def setup(self, context):
-        self.all_marks = []
-        self.pins = []
+    def setup(self, context: bpy.types.Context) -> None:
+        self.all_marks: list[PinPlace] = []
+        self.pins: list[PLANAR_GT_pin] = []
         self.ring = self.gizmos.new(PLANAR_GT_ring.bl_idname)
         self.ring.all_marks = self.all_marks
         self.ring.target_set_operator("planar.rotate_pins").release_confirm = True
         self.ring.use_draw_modal = True
         self._match(context)
 
-    def refresh(self, context):
+    def refresh(self, context: bpy.types.Context) -> None:
         self._match(context)
 
-    def draw_prepare(self, context):
+    def draw_prepare(self, context: bpy.types.Context) -> None:
         self._match(context)
 
-    def _match(self, context):
+    def _match(self, context: bpy.types.Context) -> None:
         """A gizmo for each pin, where the pin is, and the ring. What is left over is hidden, not removed: the
         one under the mouse may be among them. While the timeline plays nothing is read for them: a large mesh
         would slow it down."""
@@ -140,12 +146,12 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
             self.ring.matrix_basis = Matrix.Translation(Vector(ring.centre))
 
 
-def _distance(context, place, mouse):
+def _distance(context: bpy.types.Context, place: Array, mouse: Sequence[float]) -> float:
     """How many pixels the mouse is from a place in the world."""
     return pixels_to(context.region, context.region_data, place, mouse)
 
 
-def _seen(context, place, direction):
+def _seen(context: bpy.types.Context, place: Array, direction: Array) -> Vector:
     """Where a direction at a place in the world points on the screen, with length 1."""
     region, view = context.region, context.region_data
     start = location_3d_to_region_2d(region, view, Vector(place))

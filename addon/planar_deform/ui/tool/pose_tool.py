@@ -11,8 +11,12 @@ from .tool_state import TOOL
 CLASSES = ()
 
 
-def _key(operator: str, key: str, *, properties: list | None = None, **modifiers: bool) -> tuple:
-    event = {"type": key, "value": "PRESS", **modifiers}
+Setting = tuple[str, str | bool]  # of an operator: name and value
+Key = tuple[str, dict[str, str | bool], dict[str, list[Setting]] | None]  # operator, event, properties
+
+
+def _key(operator: str, key: str, *, properties: list[Setting] | None = None, **modifiers: bool) -> Key:
+    event: dict[str, str | bool] = {"type": key, "value": "PRESS", **modifiers}
     return operator, event, {"properties": properties} if properties else None
 
 
@@ -45,7 +49,9 @@ class PoseTool(bpy.types.WorkSpaceTool):
     )
 
     @staticmethod
-    def draw_settings(context, layout, _tool):
+    def draw_settings(
+        context: bpy.types.Context, layout: bpy.types.UILayout, _tool: bpy.types.WorkSpaceTool
+    ) -> None:
         obj = context.object
         if obj is not None and obj.type == "MESH":
             layout.prop(obj.planar, "method", text="")
