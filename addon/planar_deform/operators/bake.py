@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
@@ -89,7 +89,7 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
         frames = bake.frames_of(self.frame_start, self.frame_end, self.frame_step)
         return Job(write=lambda _: self._bake(obj, frames), summary=lambda _: self._summary(frames))
 
-    def _bake(self, obj: bpy.types.Object, frames: range) -> Iterator[float]:
+    def _bake(self, obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
         yield from bake.to(self.to, obj, frames, self.filepath, replace=self.replace, free=self.free)
         self.replace = True  # in the redo panel the file is that of this very bake
 

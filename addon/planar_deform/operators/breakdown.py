@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import traceback
+from collections.abc import Callable
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty
@@ -71,7 +72,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         reason = super().refusal(context)
         return (
             reason
@@ -79,7 +80,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             or breakdown.refusal(context.object, context.scene.frame_current_final)
         )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         try:
             way = Way(context)
             try:
@@ -99,7 +100,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
 
     # ---- by mouse and keys
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if context.window is None:  # in background
             return self.execute(context)
         if context.screen.is_animation_playing:
@@ -116,19 +117,19 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         self._sliding = _Sliding(self._way)
         running.start(self._sliding)
         put_up(context, KEYS, cursor="SCROLL_X")
-        result = self._guarded(self._show, context)
+        result = self._guarded(lambda: self._show(context))
         if result == {"RUNNING_MODAL"}:
             context.window_manager.modal_handler_add(self)
         return result
 
-    def modal(self, context, event):
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if not self._on:
             return {"CANCELLED"}
         if context.scene.frame_current_final != self._way.frame:
             return self._leave({"CANCELLED"})  # as any unkeyed pose, it has gone with its frame
-        return self._guarded(self._handle, context, event)
+        return self._guarded(lambda: self._handle(context, event))
 
-    def cancel(self, context):
+    def cancel(self, context: bpy.types.Context) -> None:
         """Blender ends the operator itself: another file is loaded, the window closes."""
         self._stop()
 
@@ -137,7 +138,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         """Whether nothing has ended it from outside."""
         return running.now() is self._sliding
 
-    def _handle(self, context, event):
+    def _handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         pressed = event.value == "PRESS"
         if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
             return self._stop()
@@ -156,7 +157,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             return self._show(context)
         return {"RUNNING_MODAL"}
 
-    def _show(self, context):
+    def _show(self, context: bpy.types.Context) -> set[str]:
         self.overshoot = self._slider.overshoot
         self.percent = 100.0 * self._slider.share
         self._way.show(self._share)  # as the property has it, so that the redo panel gives the same bits
@@ -164,10 +165,10 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             context.area.header_text_set(self._slider.text)
         return {"RUNNING_MODAL"}
 
-    def _guarded(self, step, *arguments):
+    def _guarded(self, step: Callable[[], set[str]]) -> set[str]:
         """Do this; nothing is left half done, whatever goes wrong."""
         try:
-            return step(*arguments)
+            return step()
         except ObjectGone:
             return self._leave({"CANCELLED"})
         except (Refusal, native.SolveError) as error:
@@ -178,13 +179,13 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
             return self._stop()
 
-    def _stop(self):
+    def _stop(self) -> set[str]:
         """End it with everything as it was."""
         if self._on:
             running.end()
         return {"CANCELLED"}
 
-    def _leave(self, result):
+    def _leave(self, result: set[str]) -> set[str]:
         """End it with what is shown."""
         if self._on:
             running.let_go()

@@ -88,11 +88,13 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         name="Frame", description="Frame of the first pose; by default the current one", options=HIDDEN
     )
 
+    _session: _Take
+
     @classmethod
-    def refusal(cls, context):
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         return super().refusal(context) or pose_state.refusal(context.object)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
         if not self.properties.is_property_set("frame"):
             self.frame = context.scene.frame_current
@@ -112,7 +114,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             return {"CANCELLED"}
         return {"FINISHED"}
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if not regions(context.area):
             self.report({"ERROR"}, "Pins are recorded in a 3D view: start it there")
             return {"CANCELLED"}
@@ -120,18 +122,17 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if isinstance(run, _Waiting | _Take):
             run.conclude()
             return {"CANCELLED"}
-        self._session: _Take | None = None
         self._poses: Poses | None = None
-        self._waiting = _Waiting()
+        self._waiting: _Waiting | None = _Waiting()
         running.start(self._waiting)
         put_up(context, WAITING)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context, event):
-        return self._wait(context, event) if self._session is None else super().modal(context, event)
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return super().modal(context, event) if self._waiting is None else self._wait(context, event)
 
-    def _wait(self, context, event):
+    def _wait(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Until a pin is pressed."""
         if running.now() is not self._waiting:
             return {"CANCELLED"}
@@ -140,9 +141,10 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if event.type in {"ESC", "RIGHTMOUSE"}:
             running.end()
             return {"CANCELLED"}
-        self._region = _region_under(context.area, event)
-        if event.type != "LEFTMOUSE" or self._region is None:
+        under = _region_under(context.area, event)
+        if event.type != "LEFTMOUSE" or under is None:
             return {"PASS_THROUGH"}
+        self._region = under
         try:
             self._start(context, event)
         except Refusal as refusal:
@@ -151,7 +153,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             return {"CANCELLED"}
         return {"RUNNING_MODAL"}
 
-    def _start(self, context, event):
+    def _start(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
         region, view = regions(context.area)[self._region]
         seen = snapshot.of_active(context)
         mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
@@ -167,17 +169,18 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if context.screen.is_animation_playing:
             bpy.ops.screen.animation_cancel(restore_frame=False)
         self._session = _Take(context, action)
+        self._waiting = None
         self._recording = Recording()
         self.frame = self._session.frame
-        self._fps = context.scene.render.fps / context.scene.render.fps_base
+        self._fps: float = context.scene.render.fps / context.scene.render.fps_base
         self._began = time.perf_counter()
 
-    def handle(self, context, event):
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         pressed = event.value == "PRESS"
         if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
             return self.stop()
         if self._poses is not None:
-            return self._solve(context, event)
+            return self._solve(context, event, self._poses)
         let_go = event.type == "LEFTMOUSE" and event.value == "RELEASE"
         if let_go or (event.type == "RET" and pressed) or self._session.concluded:
             return self._end()
@@ -191,7 +194,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             region, view = seen_by[self._region] if self._region < len(seen_by) else (None, None)
             drag = self._mouse.moved(region, view, event, drag)
         elif pressed and not event.is_repeat and event.type in drag.letters:
-            drag = drag.pressed(event.type)
+            drag = drag.pressed(event.type) or drag
         if drag.sample != self._drag.sample:
             self._recording.add(self._elapsed(), drag.sample)
             self._session.ask(drag.sample)
@@ -202,7 +205,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         """Frames since the start."""
         return (time.perf_counter() - self._began) * self._fps
 
-    def _play(self, context):
+    def _play(self, context: bpy.types.Context) -> None:
         """Keep the timeline in step with the clock; frames for which there is no time are left out."""
         frame = self.frame + int(self._elapsed())
         if frame != context.scene.frame_current:
@@ -212,7 +215,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             if context.area is not None:
                 context.area.header_text_set(f"Recording: Frame {frame}")
 
-    def _end(self):
+    def _end(self) -> set[str]:
         """The motion is complete: solve it again."""
         last = int(self._elapsed())
         self._recording.add(self._elapsed(), self._drag.sample)
@@ -220,19 +223,19 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             self.report({"INFO"}, "Nothing is recorded: keep the button pressed while the timeline plays")
             return self.stop()
         self.path = pack_path(self._recording.by_frame(last))
-        self._poses = self._poses_of(unpack_path(self.path))
-        self._session.retrace(self._poses.samples, self._poses.seen)
+        self._poses = poses = self._poses_of(unpack_path(self.path))
+        self._session.retrace(poses.samples, poses.seen)
         return {"RUNNING_MODAL"}
 
-    def _solve(self, context, event):
+    def _solve(self, context: bpy.types.Context, event: bpy.types.Event, poses: Poses) -> set[str]:
         """While the poses are solved."""
         if event.type == "TIMER":
-            if self._poses.share == 1.0:
-                self._keep(context, self._session.action, self._poses)
+            if poses.share == 1.0:
+                self._keep(context, self._session.action, poses)
                 self.leave()
                 return {"FINISHED"}
             if context.area is not None:
-                context.area.header_text_set(f"Solving the Poses: {self._poses.share:.0%}   Esc: Discard")
+                context.area.header_text_set(f"Solving the Poses: {poses.share:.0%}   Esc: Discard")
         return {"PASS_THROUGH"} if event.type.startswith(PASSED_ON) else {"RUNNING_MODAL"}
 
     def _poses_of(self, path: list[Sample]) -> Poses:
@@ -240,17 +243,18 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             raise Refusal("There is no recorded path: start Record over the drawing and drag a pin")
         return Poses(smoothed(path, self.smoothing), self.frame_step)
 
-    def _keep(self, context, action: SceneAction, poses: Poses) -> None:
+    def _keep(self, context: bpy.types.Context, action: SceneAction, poses: Poses) -> None:
         """Key the poses; the last one is shown, and the pins hold it."""
         action.scene.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
         by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
         key_poses(action.scene, by_frame, throughout=True)
         solved = poses.last
+        assert solved is not None  # all of them are solved
         pin_list.store_results(context.object, begin(context), solved.results)
 
-    def cancel(self, context):
-        if self._session is not None:
+    def cancel(self, context: bpy.types.Context) -> None:
+        if self._waiting is None:
             super().cancel(context)
         elif running.now() is self._waiting:
             running.end()
@@ -258,7 +262,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
     def keep_result(self, solved: Solved) -> None:
         pass  # the path is kept when it has been recorded
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
         column.use_property_split = True
         column.prop(self, "frame_step")
@@ -270,12 +274,13 @@ def _region_under(area: bpy.types.Area | None, event: bpy.types.Event) -> int | 
 
     def inside(region: bpy.types.Region) -> bool:
         x, y = event.mouse_x - region.x, event.mouse_y - region.y
-        return 0 <= x < region.width and 0 <= y < region.height
+        return bool(0 <= x < region.width and 0 <= y < region.height)
 
     found = [index for index, (region, _) in enumerate(regions(area)) if inside(region)]
-    if not found or any(region.type != "WINDOW" and inside(region) for region in area.regions):
+    if area is None or not found:
         return None
-    return found[0]
+    covered = any(region.type != "WINDOW" and inside(region) for region in area.regions)
+    return None if covered else found[0]
 
 
 CLASSES = (PLANAR_OT_record_pins,)

@@ -22,10 +22,10 @@ class PLANAR_OT_settle_pose(Interactive, PosingOperator, bpy.types.Operator):
         "Solve the pose again with the pins where they are, as after a change of weights or method"
     )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         SceneAction(context, settling=True).run([STILL], settle=True)
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         running.end()
         try:
             action = SceneAction(context, settling=True)

@@ -38,7 +38,7 @@ class PLANAR_OT_paint_stiffness(PosingOperator, bpy.types.Operator):
         "the vertex group if there is none"
     )
 
-    def apply(self, context):
+    def apply(self, context: bpy.types.Context) -> None:
         obj = context.object
         if not obj.visible_get():
             raise Refusal(f"'{obj.name}' is hidden: show it to paint on it")
@@ -120,7 +120,8 @@ def _look() -> float | None:
         return SOON
     try:
         if obj is None:
-            return _stop()
+            _stop()
+            return None
         _painted = obj.session_uid
         if settling is None and not _changed(obj):
             _painted = obj.session_uid if obj.mode == "WEIGHT_PAINT" else None
@@ -137,7 +138,8 @@ def _look() -> float | None:
         _stop()
         return SOON
     except (Refusal, StoppedError, native.SolveError):
-        return _stop()
+        _stop()
+        return None
 
 
 def _changed(obj: bpy.types.Object) -> bool:
@@ -145,7 +147,7 @@ def _changed(obj: bpy.types.Object) -> bool:
     now = stiffness.stamp(stiffness.painted(obj))
     if not obj.planar.solved_stiffness:
         obj.planar.solved_stiffness = now  # the shape is as the user has made it
-    return obj.planar.solved_stiffness != now
+    return bool(obj.planar.solved_stiffness != now)
 
 
 def _settling() -> _Settling | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,7 +34,7 @@ class Job:
 
     # Takes what `solve` returned, writes a little at each step and yields the share done. Closed before its
     # end, or ended by an error, it has put everything back as it was, to the bit.
-    write: Callable[[Any], Iterator[float]]
+    write: Callable[[Any], Generator[float, None, None]]
     # Runs in a thread, so without Blender's data. Told False by `progress`, it may raise native.Cancelled.
     # None: nothing is to be solved, and `write` is given None.
     solve: Callable[[Progress], Any] | None = None
@@ -48,7 +48,7 @@ class LongRun:
     def __init__(self, job: Job):
         self._job = job
         self._work = Work(job.solve or (lambda _: None))
-        self._writing: Iterator[float] | None = None
+        self._writing: Generator[float, None, None] | None = None
         self._written = 0.0
         self.stopped = False
 
@@ -98,9 +98,15 @@ class LongRun:
 
 
 class LongOperator(ShapeOperator):
-    """Has a job to do, which `job(context)` reads the scene for. Raises Refusal, with nothing changed."""
+    """Has a job to do, which `job(context)` reads the scene for."""
 
-    def apply(self, context):
+    bl_label: str  # of Blender's operators
+
+    def job(self, context: bpy.types.Context) -> Job:
+        """What there is to do, in a subclass. Raises Refusal, with nothing changed."""
+        raise NotImplementedError
+
+    def apply(self, context: bpy.types.Context) -> None:
         manager = context.window_manager
         run = LongRun(self.job(context))
         manager.progress_begin(0, 100)
@@ -114,7 +120,7 @@ class LongOperator(ShapeOperator):
             run.stop()
         self._tell(run)
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if context.window is None:  # in background
             return self.execute(context)
         running.end()
@@ -131,7 +137,7 @@ class LongOperator(ShapeOperator):
             context.window_manager.modal_handler_add(self)
         return result
 
-    def modal(self, context, event):
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if self._run.stopped:
             return self._end({"CANCELLED"})
         if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
@@ -141,7 +147,7 @@ class LongOperator(ShapeOperator):
             return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
         return {"PASS_THROUGH"} if event.type.startswith(PASSED_ON) else {"RUNNING_MODAL"}
 
-    def cancel(self, context):
+    def cancel(self, context: bpy.types.Context) -> None:
         """Blender ends the operator itself: another file is loaded, the window closes."""
         self._end({"CANCELLED"})
 
@@ -172,7 +178,7 @@ class LongOperator(ShapeOperator):
         running.ended(self._run)
         if self._clock is not None:
             self._clock.stop()
-        self._run = None  # Blender keeps operators that are done, and this has all that was solved
+        del self._run  # Blender keeps operators that are done, and this has all that was solved
         return result
 
 

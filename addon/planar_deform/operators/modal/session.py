@@ -156,7 +156,18 @@ class Interactive:
     properties in `keep_result(solved)`.
     """
 
-    def modal(self, context, event):
+    _session: Session
+    report: Callable[[set[str], str], None]  # of Blender's operators
+
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """What an event before the release does, in a subclass."""
+        raise NotImplementedError
+
+    def keep_result(self, solved: Solved) -> None:
+        """Let the properties say what it has come to, in a subclass."""
+        raise NotImplementedError
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if self._session.ended:
             self.leave()
             return {"CANCELLED"}
@@ -172,11 +183,11 @@ class Interactive:
         self.leave()
         return {"CANCELLED"}
 
-    def cancel(self, context):
+    def cancel(self, context: bpy.types.Context) -> None:
         """Blender ends the operator itself: another file is loaded, the window closes."""
         self.stop()
 
-    def _go_on(self, context, event):
+    def _go_on(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """What an event does, and what is to be expected to go wrong then."""
         session = self._session
         try:
@@ -203,12 +214,12 @@ class Interactive:
             self.report({"ERROR"}, str(error))
             return self.stop()
 
-    def release(self):
+    def release(self) -> set[str]:
         """The user is done: let the drawing settle."""
         self._session.release()
         return {"RUNNING_MODAL"}
 
-    def stop(self):
+    def stop(self) -> set[str]:
         """End it early: taken back, unless it has been released."""
         session = self._session
         if not session.ended:
@@ -219,15 +230,16 @@ class Interactive:
         self.leave()
         return {"CANCELLED"}
 
-    def finish(self):
+    def finish(self) -> set[str]:
         """End it with what is shown."""
         session = self._session
+        assert session.shown is not None  # something has been asked for, and was waited for
         session.action.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
         return {"FINISHED"}
 
-    def leave(self):
+    def leave(self) -> None:
         """End it, whatever is shown, unless it has been ended."""
         self._session.end()
         self._session.clock.stop()

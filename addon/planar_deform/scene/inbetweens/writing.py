@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from functools import partial
 
 import bpy
@@ -22,7 +22,7 @@ from ..storage import changes, digests
 from .plan import Plan
 
 
-def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Iterator[float]:
+def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Generator[float, None, None]:
     """Put in what plan.solve() gave, in place of what was generated before; yields the share that is done.
 
     Closed before its end, or where anything fails, everything is back to the bit. Raises ObjectGone where the

@@ -7,7 +7,7 @@ exhausted, the bake is complete; closed before, or left by an exception, nothing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 
 import bpy
 import numpy as np
@@ -64,14 +64,14 @@ def to(
     *,
     replace: bool = False,
     free: bool = False,
-) -> Iterator[float]:
+) -> Generator[float, None, None]:
     """Bake to one of FORMS, by its identifier; what is behind the frames is for point caches."""
     if form == "POINT_CACHE":
         return to_point_cache(obj, frames, filepath, replace=replace, free=free)
     return to_shapes(obj, frames) if form == "SHAPES" else to_relative_keys(obj, frames)
 
 
-def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
+def to_shapes(obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
     """Key a pose for each of these frames, evenly blended to the next one; what was keyed between them goes.
 
     The curve's modifiers, which are in the poses then, go, too. Raises Refusal and ObjectGone.
@@ -97,7 +97,7 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Iterator[float]:
 
 def to_point_cache(
     obj: bpy.types.Object, frames: range, filepath: str, *, replace: bool = False, free: bool = False
-) -> Iterator[float]:
+) -> Generator[float, None, None]:
     """Write what is shown at these frames to a .pc2 file, and let a Mesh Cache modifier play it.
 
     `replace`: a file that is not the object's own cache may be replaced; `free`: the poses are taken away.
@@ -117,7 +117,7 @@ def to_point_cache(
         pose_edit.clear(obj)
 
 
-def to_relative_keys(obj: bpy.types.Object, frames: range) -> Iterator[float]:
+def to_relative_keys(obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
     """A relative shape key for each frame, each with a curve that blends it in and out; the poses go.
 
     The Basis is the rest shape. Raises Refusal and ObjectGone.

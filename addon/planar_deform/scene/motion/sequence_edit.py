@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 
 import bpy
 import numpy as np
@@ -100,7 +100,7 @@ class SequenceEdit:
         three = native.edit_sequence([frames[low], blend, frames[high]], {1: wanted}, **self._scene.elements)
         return {low: three[0], high: three[2]}
 
-    def write(self, shapes: dict[int, Array32]) -> Iterator[float]:
+    def write(self, shapes: dict[int, Array32]) -> Generator[float, None, None]:
         """Write the changed shapes, one at each step; the share done. Closed before its end: as it was."""
         written: list[int] = []
         try:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 
 import bpy
 import numpy as np
@@ -59,7 +59,7 @@ class Thinning:
         tolerance = self._tolerance * self._scene.diagonal
         return thin(self._way.keys, self._fixed, between, tolerance, told, reach=reach)
 
-    def write(self, thinned: Thinned) -> Iterator[float]:
+    def write(self, thinned: Thinned) -> Generator[float, None, None]:
         """Put in-betweens in place of the poses that go; the share done. Closed before its end: as it was."""
         if len(thinned.kept) == len(self._times):
             raise Refusal(f"All {len(self._times)} poses are needed for this tolerance: allow more")

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Generator
 
 import bpy
 import numpy as np
@@ -82,7 +82,7 @@ class Transfer:
             result.append(shapes)
         return result
 
-    def write(self, shapes: list[list[Array32]]) -> Iterator[float]:
+    def write(self, shapes: list[list[Array32]]) -> Generator[float, None, None]:
         """Give each target its sequence, a block at each step; the share done. Closed before: as it was."""
         begun: list[tuple[SceneShape, list[Setting]]] = []
         try:
