@@ -106,7 +106,8 @@ TEST_P(SparseSolverTest, SeveralRightSidesAreSolvedLikeByADenseFactorization) {
       RightSides x = right;
       solver->solve(x);
       // Condition number up to 1e4, a few units in the last place of numbers up to 1e2: 1e-10.
-      EXPECT_TRUE((x - expected.solve(right)).isZero(1e-10)) << side << ' ' << columns;
+      // (Eigen's own solve takes the address of the first of no columns.)
+      if (columns > 0) EXPECT_TRUE((x - expected.solve(right)).isZero(1e-10)) << side << ' ' << columns;
     }
   }
 }
