@@ -11,14 +11,11 @@
 namespace planar {
 namespace {
 
-/// Rows of the factor that are worked on together: with two vectors of right sides their sums fill half of
-/// the registers.
-constexpr int rows_at_once = 4;
-
 /// Vectors of right sides next to each other, one or two: arrays of them would live in memory.
 template <class Vector, bool two>
 struct Wide {
-  static constexpr int lanes = sizeof(Vector) / sizeof(double);
+  static constexpr std::size_t number = sizeof(double);
+  static constexpr int lanes = sizeof(Vector) / number;
 
   explicit Wide(const double* from) {
     std::memcpy(&first, from, sizeof first);
@@ -37,12 +34,16 @@ struct Wide {
     if constexpr (two) second *= factor;
   }
 
-  Vector first, second;
+  Vector first, second{};
 };
 
 /// Columns of x of the width of a Wide.
 template <class Columns>
 struct Strip {
+  /// Rows of the factor that are worked on together: with two vectors of right sides their sums fill half of
+  /// the registers.
+  static constexpr int rows_at_once = 4;
+
   double* x;
   std::ptrdiff_t stride;
 
@@ -141,7 +142,7 @@ struct Strip {
 /// Calls solve(strip) for strips of two vectors, then of one, then of narrower ones.
 template <class Vector, class... Narrower>
 void for_strips(double* x, std::ptrdiff_t stride, int columns, const auto& solve) {
-  constexpr int lanes = sizeof(Vector) / sizeof(double);
+  constexpr int lanes = Wide<Vector, false>::lanes;
   for (; columns >= 2 * lanes; columns -= 2 * lanes, x += 2 * lanes)
     solve(Strip<Wide<Vector, true>>{x, stride});
   if (columns >= lanes) {

@@ -105,9 +105,9 @@ TEST_P(SparseSolverTest, SeveralRightSidesAreSolvedLikeByADenseFactorization) {
       const RightSides right = RightSides::Random(dense.rows(), columns);
       RightSides x = right;
       solver->solve(x);
+      if (columns == 0) continue;  // Eigen's own solve takes the address of the first
       // Condition number up to 1e4, a few units in the last place of numbers up to 1e2: 1e-10.
-      // (Eigen's own solve takes the address of the first of no columns.)
-      if (columns > 0) EXPECT_TRUE((x - expected.solve(right)).isZero(1e-10)) << side << ' ' << columns;
+      EXPECT_TRUE((x - expected.solve(right)).isZero(1e-10)) << side << ' ' << columns;
     }
   }
 }
