@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 import planar_native
 from contact_sheet import FINE, View
-from planar_deform.model.posing.pose_action import Sample
+from planar_deform.model.posing.posing import Sample
 from planar_deform.ui.draw import quality
 
 METHODS = {"HOLD": "Hold Shape", "AKVF": "AKVF"}

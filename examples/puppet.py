@@ -17,7 +17,7 @@ from mathutils import Vector
 
 from cutout import layer_vertices
 from drawing import Layer
-from planar_deform.model.posing.pose_action import Sample
+from planar_deform.model.posing.posing import Sample
 from planar_deform.operators.drag import pack_path
 
 

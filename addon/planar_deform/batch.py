@@ -113,10 +113,10 @@ def _work(name: str, options: argparse.Namespace) -> None:
     try:
         alone = options.object is None and len(obj.planar.poses) < 2  # nobody has asked for it by name
         if options.generate and not alone:
-            scene = read_shape(obj)
-            plan = planning.plan(scene)
+            drawing = read_shape(obj)
+            plan = planning.plan(drawing)
             shapes = plan.solve(_reporter(f"{name}: solving in-betweens"))
-            _follow(f"{name}: writing in-betweens", writing.write(scene, plan, shapes))
+            _follow(f"{name}: writing in-betweens", writing.write(drawing, plan, shapes))
         if options.bake is not None:
             _bake(obj, options)
     except (Refusal, ObjectGone, native.SolveError) as error:
@@ -139,11 +139,11 @@ def _bake(obj: bpy.types.Object, options: argparse.Namespace) -> None:
 
 
 def _save(path: str) -> None:
-    target = bpy.path.abspath(path or bpy.data.filepath)
-    if not target:
+    destination = bpy.path.abspath(path or bpy.data.filepath)
+    if not destination:
         raise Refusal("The file has never been saved: give --save a path")
     try:
-        bpy.ops.wm.save_as_mainfile(filepath=target, check_existing=False)
+        bpy.ops.wm.save_as_mainfile(filepath=destination, check_existing=False)
     except RuntimeError as error:
         raise Refusal(str(error).removeprefix("Error: ").strip()) from error
     print(f"{COMMAND}: saved {bpy.data.filepath}", flush=True)

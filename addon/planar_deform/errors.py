@@ -7,4 +7,4 @@ class Refusal(Exception):  # noqa: N818 - a word users and operators both read
 
 
 class ObjectGone(Exception):  # noqa: N818
-    """The object or mesh an action began with has been deleted, replaced or edited meanwhile."""
+    """The object or mesh a posing began with has been deleted, replaced or edited meanwhile."""

@@ -81,9 +81,9 @@ def key(obj, turns: dict[float, float]) -> None:
     from planar_deform.scene.objects.any_object import begin_shape, key_poses
 
     activate(obj)
-    scene = begin_shape(bpy.context)
-    rest = scene.rest
-    key_poses(scene, {frame: bent(rest, turn) for frame, turn in turns.items()})
+    drawing = begin_shape(bpy.context)
+    rest = drawing.rest
+    key_poses(drawing, {frame: bent(rest, turn) for frame, turn in turns.items()})
 
 
 def main() -> None:
@@ -102,10 +102,10 @@ def main() -> None:
     phases = "".join(f"{phase:>8}{'cpu':>6}" for phase in ("read", "solve", "write"))
     print(f"{'':22}{phases}{'longest':>10}{'before':>9}{'after':>9}")
 
-    scene = begin_shape(bpy.context)
-    plan = planning.plan(scene)
+    drawing = begin_shape(bpy.context)
+    plan = planning.plan(drawing)
     measure(
-        "Generate In-Betweens", lambda: Job(lambda shapes: writing.write(scene, plan, shapes), plan.solve)
+        "Generate In-Betweens", lambda: Job(lambda shapes: writing.write(drawing, plan, shapes), plan.solve)
     )
     for compress in (False, True):
         with tempfile.TemporaryDirectory() as folder:
@@ -123,8 +123,8 @@ def main() -> None:
     measure("Transfer Motion", lambda: Transfer(bpy.context))
     activate(obj)
     bpy.context.scene.frame_set(last // 2)
-    scene = begin_shape(bpy.context)
-    scene.write(scene.positions + 0.1 * np.sin(2.0 * scene.positions[:, ::-1]))
+    drawing = begin_shape(bpy.context)
+    drawing.write(drawing.positions + 0.1 * np.sin(2.0 * drawing.positions[:, ::-1]))
     measure("Edit Sequence", lambda: SequenceEdit(bpy.context, False))
 
     recording = sheet(side)

@@ -15,8 +15,9 @@ def write(obj, seed):
     from planar_deform.scene.objects.any_object import begin_shape
 
     activate(obj)
-    scene = begin_shape(bpy.context)
-    scene.write(scene.positions + np.random.default_rng(seed).uniform(-0.02, 0.02, scene.positions.shape))
+    drawing = begin_shape(bpy.context)
+    noise = np.random.default_rng(seed).uniform(-0.02, 0.02, drawing.positions.shape)
+    drawing.write(drawing.positions + noise)
     return evaluated(obj)
 
 

@@ -89,24 +89,25 @@ def add_end_pins(obj, nx=12, count=65, kind="POINT"):
 
 
 def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
-    """One action of the selected pins (or those told) through the model, as the operators do it."""
+    """One posing of the selected pins (or those told) through the model, as the operators do it."""
     from planar_deform.model.posing import solver_cache
-    from planar_deform.model.posing.pose_action import PoseAction
+    from planar_deform.model.posing.posing import Posing
     from planar_deform.scene.objects.cutout_object import begin
     from planar_deform.scene.pins import pin_list
 
     activate(obj)
-    scene = begin(bpy.context)
+    drawing = begin(bpy.context)
     moving = {i for i, pin in enumerate(obj.planar.pins) if pin.select} if moving is None else set(moving)
+    method = obj.planar.method.lower()
     make_poser = partial(
-        solver_cache.poser_for, scene.session_uid, scene.cutout, obj.planar.method.lower(), scene.positions
+        solver_cache.poser_for, drawing.session_uid, drawing.cutout, method, drawing.positions
     )
-    action = PoseAction(scene.cutout, scene.positions, pin_list.model_pins(obj, scene), moving, make_poser)
+    posing = Posing(drawing.cutout, drawing.positions, pin_list.model_pins(obj, drawing), moving, make_poser)
     for step in range(1, 9):
-        action.move(offset[0] * step / 8, offset[1] * step / 8, angle * step / 8)
-    scene.write(action.settle())
-    pin_list.store_results(obj, scene, action.results())
-    return scene, action
+        posing.move(offset[0] * step / 8, offset[1] * step / 8, angle * step / 8)
+    drawing.write(posing.settle())
+    pin_list.store_results(obj, drawing, posing.results())
+    return drawing, posing
 
 
 def measured(obj):

@@ -36,7 +36,7 @@ class Watch:
         self._wrap(addon("operators.drag").PinTransform, "invoke", self._timed)
         self._wrap(addon("operators.modal.session").Interactive, "modal", self._timed)
         self._wrap(addon("model.posing.solving").Solving, "ask", self._asking)
-        self._wrap(addon("operators.modal.pose_drag").SceneAction, "show", self._showing)
+        self._wrap(addon("operators.modal.object_posing").ObjectPosing, "show", self._showing)
 
     def _wrap(self, owner: object, name: str, wrapper: Callable) -> None:
         original = getattr(owner, name)
@@ -60,8 +60,8 @@ class Watch:
         return asking
 
     def _showing(self, original: Callable) -> Callable:
-        def showing(action, solved):
-            original(action, solved)
+        def showing(posing, solved):
+            original(posing, solved)
             self.shown += 1
             asked = self._asked.pop(solved.path[-1], None)
             if asked is not None:

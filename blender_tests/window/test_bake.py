@@ -15,8 +15,8 @@ def shot(window: Window, *, last: int) -> Generator[None, None, Path]:
     """A sheet with two poses in a saved file whose timeline plays so many frames; the file's folder."""
     sheet()
     for frame, share in ((1, 0.0), (25, 0.5)):
-        scene = addon("scene.objects.cutout_object").begin(bpy.context)
-        addon("scene.objects.any_object").key_poses(scene, {frame: scene.cutout.rest * (1.0 + share)})
+        drawing = addon("scene.objects.cutout_object").begin(bpy.context)
+        addon("scene.objects.any_object").key_poses(drawing, {frame: drawing.cutout.rest * (1.0 + share)})
     bpy.context.scene.frame_end = last
     folder = Path(bpy.app.tempdir)
     for path in folder.glob("*.pc2"):

@@ -70,11 +70,11 @@ def test_the_story(window: Window) -> Iterator[None]:
     assert outlined(window, poses[25], 2), "and of the one behind"
     seen: dict[int, bytes] = {}
 
-    def watch(scene, depsgraph) -> None:
+    def watch(drawing, depsgraph) -> None:
         mesh = active().evaluated_get(depsgraph).data
         coordinates = np.empty(len(mesh.vertices) * 3, np.float32)
         mesh.vertices.foreach_get("co", coordinates)
-        seen[scene.frame_current] = coordinates.tobytes()
+        seen[drawing.frame_current] = coordinates.tobytes()
 
     bpy.app.handlers.frame_change_post.append(watch)
     try:

@@ -28,9 +28,9 @@ def motion(window: Window, *, cells: int = 50, last: int = LAST) -> Iterator[Non
     """A sheet that bends to one side and to the other, keyed at three frames, in an undo step of its own."""
     sheet(columns=cells, rows=cells, cell=4.0 / cells)
     for frame, turn in ((1, 0.3), ((1 + last) // 2, 1.6), (last, -1.6)):
-        scene = addon("scene.objects.cutout_object").begin(bpy.context)
-        rest = scene.cutout.rest
-        addon("scene.objects.any_object").key_poses(scene, {frame: bent(rest - rest.mean(axis=0), turn)})
+        drawing = addon("scene.objects.cutout_object").begin(bpy.context)
+        rest = drawing.cutout.rest
+        addon("scene.objects.any_object").key_poses(drawing, {frame: bent(rest - rest.mean(axis=0), turn)})
     bpy.context.scene.frame_set(1)
     bpy.context.scene.frame_end = last
     bpy.ops.ed.undo_push(message="Test Scene")

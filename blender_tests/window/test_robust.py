@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What may happen to a scene between and during drags: other tools, edits, files, shape keys, deletion."""
+"""What may happen to a drawing between and during drags: other tools, edits, files, shape keys, deletion."""
 
 import tempfile
 from collections.abc import Iterator

@@ -56,20 +56,20 @@ def settling(window: Window) -> Iterator[None]:
 @contextlib.contextmanager
 def slowly(seconds: float = 0.5) -> Iterator[None]:
     """Let refinements take so long, and be at least three, so that there is something to see anywhere."""
-    action = addon("model.posing.pose_action").PoseAction
-    move, settled = action.move, action.settled
+    posing = addon("model.posing.posing").Posing
+    move, settled = posing.move, posing.settled
 
     def slow_move(self, *sample):
         if self.path and self.path[-1] == tuple(np.float32(sample).tolist()):
             time.sleep(seconds)
         return move(self, *sample)
 
-    action.move = slow_move
-    action.settled = property(lambda self: settled.fget(self) and self._refinements >= 3)
+    posing.move = slow_move
+    posing.settled = property(lambda self: settled.fget(self) and self._refinements >= 3)
     try:
         yield
     finally:
-        action.move, action.settled = move, settled
+        posing.move, posing.settled = move, settled
 
 
 def test_the_drawing_settles_after_the_release_without_a_jump(window: Window) -> Iterator[None]:

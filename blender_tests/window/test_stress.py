@@ -126,8 +126,10 @@ class Story:
 
 def flipped() -> int:
     """Flipped triangles of what is shown, judged on the float32 coordinates that Blender stores."""
-    scene = addon("scene.objects.cutout_object").read_cutout(active())
-    return addon("native").distortion(scene.cutout.rest, scene.positions, scene.cutout.triangles).flipped
+    drawing = addon("scene.objects.cutout_object").read_cutout(active())
+    return (
+        addon("native").distortion(drawing.cutout.rest, drawing.positions, drawing.cutout.triangles).flipped
+    )
 
 
 def test_a_long_story_ends_well(window: Window) -> Iterator[None]:

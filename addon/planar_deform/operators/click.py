@@ -53,18 +53,18 @@ class PLANAR_OT_click(bpy.types.Operator):
 
     def _add(self, context: bpy.types.Context, origin: Array, direction: Array) -> set[str]:
         try:
-            scene = begin(context)
-            point = scene.pick(origin, direction)
+            drawing = begin(context)
+            point = drawing.pick(origin, direction)
             if point is None:
                 raise Refusal(
-                    f"'{scene.object_name}' is not under the mouse: click a layer to make it active"
+                    f"'{drawing.object_name}' is not under the mouse: click a layer to make it active"
                 )
         except Refusal as refusal:
             self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
-        corners = scene.cutout.triangles[point.triangle]
-        place = point.weights[None, :] @ scene.positions[corners]
-        place = scene.to_world(place, scene.cutout.parts[corners[:1]])
+        corners = drawing.cutout.triangles[point.triangle]
+        place = point.weights[None, :] @ drawing.positions[corners]
+        place = drawing.to_world(place, drawing.cutout.parts[corners[:1]])
         bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=place[0].tolist())
         return {"FINISHED"}
 

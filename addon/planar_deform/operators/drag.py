@@ -13,10 +13,10 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 
 from ..errors import Refusal
 from ..model.input.drag import Drag, Mode, Point
-from ..model.posing.pose_action import Sample, Solved, carried_path
+from ..model.posing.posing import Sample, Solved, carried_path
 from .modal import running
+from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
-from .modal.pose_drag import SceneAction
 from .modal.session import PASSED_ON, Interactive, Session
 
 CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
@@ -69,12 +69,12 @@ class PinTransform(Interactive):
         try:
             recorded = unpack_path(self.path)
             path = self.edited(recorded)
-            action = SceneAction(context, self.pin, self.extend, pivot=self.given_pivot())
-            action.run(path, settle=path != recorded)
+            posing = ObjectPosing(context, self.pin, self.extend, pivot=self.given_pivot())
+            posing.run(path, settle=path != recorded)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        self.letters = "".join(action.scene.frame.letters)
+        self.letters = "".join(posing.drawing.frame.letters)
         return {"FINISHED"}
 
     def given_pivot(self) -> Sequence[float] | None:
@@ -99,19 +99,19 @@ class PinTransform(Interactive):
         pressed = self.pin >= 0
         self.extend = pressed and event.shift
         try:
-            self._action = SceneAction(context, self.pin, self.extend, pivot=self.given_pivot())
-            self._mouse = PlaneMouse(self._action, context.region, context.region_data, event)
+            self._posing = ObjectPosing(context, self.pin, self.extend, pivot=self.given_pivot())
+            self._mouse = PlaneMouse(self._posing, context.region, context.region_data, event)
             self._press: Point | None = (event.mouse_x, event.mouse_y) if pressed else None
             self._drag: Drag | None = None if pressed else self._mouse.begin(self.mode)
         except Refusal as refusal:
             self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
         locks = (
-            f"   {' or '.join(self._action.scene.frame.letters)}: Lock Axis" if self.mode == "MOVE" else ""
+            f"   {' or '.join(self._posing.drawing.frame.letters)}: Lock Axis" if self.mode == "MOVE" else ""
         )
         self._session = Session(
             context,
-            self._action,
+            self._posing,
             "LMB or Enter: Confirm   Esc or RMB: Cancel   Shift: Precise   Ctrl: Snap"
             f"{locks}   Digits: Type the Value",
         )
@@ -165,7 +165,7 @@ class PinTransform(Interactive):
 
     def _confirm(self) -> set[str]:
         if self._drag is None:
-            changed = self._action.click()
+            changed = self._posing.click()
             self.leave()
             if changed:  # nothing was posed, so this is a step of its own, of another name
                 bpy.ops.ed.undo_push(message="Select Pins")

@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ..scene.inbetweens import planning, writing
 from ..scene.objects.any_object import begin_shape
-from ..scene.objects.flat_object import settle
+from ..scene.objects.flat_object import make_current
 from ..scene.properties import PATHS
 from ..scene.sequence import stretches
 from .modal.long_job import Job, LongOperator
@@ -47,9 +47,9 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
             self.path = settings.anchor_path
         if not self.properties.is_property_set("smooth"):
             self.smooth = settings.smooth
-        scene = begin_shape(context)
-        plan = planning.plan(scene, path=self.path, smooth=self.smooth)
-        return Job(partial(writing.write, scene, plan), plan.solve)
+        drawing = begin_shape(context)
+        plan = planning.plan(drawing, path=self.path, smooth=self.smooth)
+        return Job(partial(writing.write, drawing, plan), plan.solve)
 
 
 class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
@@ -65,7 +65,7 @@ class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
         return reason
 
     def apply(self, context: bpy.types.Context) -> None:
-        settle(context)
+        make_current(context)
         writing.remove(context.object)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keying what is shown: by command, and by auto-key at the end of an action."""
+"""Keying what is shown: by command, and by auto-key at the end of a posing."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ def key_shown(context: bpy.types.Context, *, kind: str | None = None) -> None:
 
     `kind`: the type of the key, one of Blender's; by default it keeps the one it has.
     """
-    scene, frame = begin_shape(context), context.scene.frame_current_final
-    key_poses(scene, {frame: scene.positions})
+    drawing, frame = begin_shape(context), context.scene.frame_current_final
+    key_poses(drawing, {frame: drawing.positions})
     if kind is not None:
         pose_blocks.set_key_type(context.object.data.shape_keys, frame, kind)
 
 
 def auto_key(context: bpy.types.Context) -> None:
-    """After an action: key the pose if auto-key is on and what it would key is not keyed already.
+    """After a posing: key the pose if auto-key is on and what it would key is not keyed already.
 
     As with any property of Blender: a mode that only replaces keys, and the preference to insert keys only
     where there are some, leave an object without a sequence alone; so does whatever would be refused.

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from ..errors import Refusal
-from ..scene.objects.cutout_object import SceneCutout, begin, pose_refusal
+from ..scene.objects.cutout_object import CutoutObject, begin, pose_refusal
 from ..scene.pins import pin_list
 from ..scene.properties import KINDS
 from ..scene.storage import migration
@@ -25,11 +25,11 @@ class PinOperator(PosingOperator):
     """Changes the pins of a mesh that can be posed."""
 
     def apply(self, context: bpy.types.Context) -> None:
-        scene = begin(context)
+        drawing = begin(context)
         pin_list.sync(context.object)
-        self.change(context.object, scene)
+        self.change(context.object, drawing)
 
-    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
         """Change the pins, in a subclass. Raises Refusal, with nothing changed."""
         raise NotImplementedError
 
@@ -46,11 +46,11 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
         name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
     )
 
-    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
-        point = scene.nearest(np.array(self.location, dtype=np.float64), ON_MESH * scene.cutout.diagonal)
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
+        point = drawing.nearest(np.array(self.location, dtype=np.float64), ON_MESH * drawing.cutout.diagonal)
         if point is None:
             raise Refusal("No mesh there: add the pin at a point of the drawing")
-        pin = pin_list.add_at(obj, scene, point)
+        pin = pin_list.add_at(obj, drawing, point)
         if not self.extend:
             _select(obj, [])
         pin.select = True
@@ -65,10 +65,10 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
         selected = np.empty(len(obj.data.vertices), bool)
         obj.data.vertices.foreach_get("select", selected)
-        on_faces = scene.vertex_indices[selected[scene.vertex_indices]].tolist()
+        on_faces = drawing.vertex_indices[selected[drawing.vertex_indices]].tolist()
         if not on_faces:
             raise Refusal("No vertices of faces are selected: select some in Edit Mode first")
         new = [on_faces] if self.kind == "PATCH" else [[vertex] for vertex in on_faces]
@@ -86,7 +86,7 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
     group: StringProperty(name="Vertex Group", description="Group to pin; empty for the active one")
     kind: EnumProperty(name="Kind", description="Kind of the new pin", items=KINDS)
 
-    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
         group = obj.vertex_groups.get(self.group) if self.group else obj.vertex_groups.active
         if group is None:
             wanted = f"No vertex group '{self.group}'" if self.group else "No active vertex group"
@@ -104,7 +104,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def change(self, obj: bpy.types.Object, scene: SceneCutout) -> None:
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
         taken = {pin.group for pin in obj.planar.pins} | {obj.planar.stiffness_group}
         new = [group for group in obj.vertex_groups if group.name not in taken]
         if not new:

@@ -15,11 +15,11 @@ from ..model.plane.frame import Array
 from ..model.posing import solver_cache, solving
 from ..model.posing.pin_reset import PinReset
 from ..model.posing.pins import Holder
-from ..model.posing.pose_action import PinResult
 from ..model.posing.pose_copy import CopiedPose, copied, pasted
+from ..model.posing.posing import PinResult
 from ..model.posing.symmetry import NotSymmetricError, find_symmetry, partner_pins
 from ..scene.objects.connectivity import connectivity_of
-from ..scene.objects.cutout_object import SceneCutout, begin
+from ..scene.objects.cutout_object import CutoutObject, begin
 from ..scene.pins import pin_list
 from .keying import auto_key
 from .posing_operator import PosingOperator
@@ -35,9 +35,9 @@ class PLANAR_OT_copy_pose(PosingOperator, bpy.types.Operator):
 
     def apply(self, context: bpy.types.Context) -> None:
         global _clipboard
-        scene = begin(context)
-        connectivity = connectivity_of(context.object.data, scene.vertex_indices)
-        _clipboard = copied(connectivity, scene.cutout, scene.positions, _named(context.object, scene))
+        drawing = begin(context)
+        connectivity = connectivity_of(context.object.data, drawing.vertex_indices)
+        _clipboard = copied(connectivity, drawing.cutout, drawing.positions, _named(context.object, drawing))
 
 
 class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
@@ -48,11 +48,11 @@ class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
     def apply(self, context: bpy.types.Context) -> None:
         if _clipboard is None:
             raise Refusal("No pose has been copied: use Copy Pose first")
-        obj, scene = context.object, begin(context)
-        differs = connectivity_of(obj.data, scene.vertex_indices).difference(_clipboard.connectivity)
+        obj, drawing = context.object, begin(context)
+        differs = connectivity_of(obj.data, drawing.vertex_indices).difference(_clipboard.connectivity)
         if differs is not None:
             raise Refusal(f"The copied pose is of another mesh: this one has {differs}")
-        _show(context, scene, *pasted(_clipboard, scene.cutout, _named(obj, scene)))
+        _show(context, drawing, *pasted(_clipboard, drawing.cutout, _named(obj, drawing)))
 
 
 class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
@@ -78,15 +78,15 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
     )
 
     def apply(self, context: bpy.types.Context) -> None:
-        obj, scene = context.object, begin(context)
-        rest, tolerance = scene.cutout.rest, self.tolerance * scene.cutout.diagonal
-        edges = connectivity_of(obj.data, scene.vertex_indices).edges()
+        obj, drawing = context.object, begin(context)
+        rest, tolerance = drawing.cutout.rest, self.tolerance * drawing.cutout.diagonal
+        edges = connectivity_of(obj.data, drawing.vertex_indices).edges()
         try:
             symmetry = find_symmetry(rest, edges, int(self.axis == "VERTICAL"), tolerance)
         except NotSymmetricError as error:
             raise Refusal(f"The rest shape is not symmetric: {error}") from error
-        positions = symmetry.mirrored(scene.positions)
-        holders = [holder for _, holder in _named(obj, scene)]
+        positions = symmetry.mirrored(drawing.positions)
+        holders = [holder for _, holder in _named(obj, drawing)]
         results = []
         for index, partner in partner_pins(holders, rest, symmetry, tolerance).items():
             holder, other = holders[index], holders[partner].pin
@@ -94,7 +94,7 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
                 target = symmetry.reflected(other.target)
                 place = holder.place(positions)
                 results.append(PinResult(holder.pin.key, holder.part, target, place, -other.angle))
-        _show(context, scene, positions, results)
+        _show(context, drawing, positions, results)
 
 
 class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
@@ -104,34 +104,36 @@ class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
 
     def apply(self, context: bpy.types.Context) -> None:
         solving.halt()
-        obj, scene = context.object, begin(context)
+        obj, drawing = context.object, begin(context)
         pin_list.sync(obj)
-        usable = pin_list.model_pins(obj, scene)
+        usable = pin_list.model_pins(obj, drawing)
         moving = {pin.key for pin in usable if pin.enabled and obj.planar.pins[pin.key].select}
         if not moving:
             raise Refusal("No pins that hold the drawing are selected: click one first")
         method = obj.planar.method.lower()
-        poser = partial(solver_cache.poser_for, scene.session_uid, scene.cutout, method, scene.positions)
-        action = PinReset(scene.cutout, scene.positions, usable, moving, poser)
+        poser = partial(
+            solver_cache.poser_for, drawing.session_uid, drawing.cutout, method, drawing.positions
+        )
+        posing = PinReset(drawing.cutout, drawing.positions, usable, moving, poser)
         try:
-            action.run()
+            posing.run()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        _show(context, scene, action.positions, action.results())
+        _show(context, drawing, posing.positions, posing.results())
 
 
-def _named(obj: bpy.types.Object, scene: SceneCutout) -> list[tuple[str, Holder]]:
+def _named(obj: bpy.types.Object, drawing: CutoutObject) -> list[tuple[str, Holder]]:
     """The object's usable pins by name, bound to its cutout."""
     pin_list.sync(obj)
-    usable = pin_list.model_pins(obj, scene)
-    return [(obj.planar.pins[pin.key].name, Holder(pin, scene.cutout)) for pin in usable]
+    usable = pin_list.model_pins(obj, drawing)
+    return [(obj.planar.pins[pin.key].name, Holder(pin, drawing.cutout)) for pin in usable]
 
 
 def _show(
-    context: bpy.types.Context, scene: SceneCutout, positions: Array, results: Iterable[PinResult]
+    context: bpy.types.Context, drawing: CutoutObject, positions: Array, results: Iterable[PinResult]
 ) -> None:
-    scene.write(positions)
-    pin_list.store_results(context.object, scene, results)
+    drawing.write(positions)
+    pin_list.store_results(context.object, drawing, results)
     auto_key(context)
 
 

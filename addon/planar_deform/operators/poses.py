@@ -9,7 +9,7 @@ from bpy.props import FloatProperty, IntProperty
 from ..errors import Refusal
 from ..scene.objects import modifiers
 from ..scene.objects.any_object import begin_shape
-from ..scene.objects.flat_object import settle
+from ..scene.objects.flat_object import make_current
 from ..scene.sequence import pose_edit, pose_list, pose_state
 from .keying import key_shown
 from .posing_operator import ShapeOperator
@@ -99,8 +99,8 @@ class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):
     bl_description = "Replace a pose by what is shown"
 
     def act(self, context: bpy.types.Context, pose: int) -> None:
-        scene = begin_shape(context)
-        pose_list.give_shape(context.object, pose, scene.coordinates(scene.positions))
+        drawing = begin_shape(context)
+        pose_list.give_shape(context.object, pose, drawing.coordinates(drawing.positions))
 
 
 class PoseAtFrameOperator(OnePoseOperator):
@@ -144,7 +144,7 @@ class PLANAR_OT_step_poses(PoseListOperator, bpy.types.Operator):
     step: IntProperty(name="Step", description="Frames for which each one stays", default=2, min=1, max=100)
 
     def apply(self, context: bpy.types.Context) -> None:
-        settle(context)
+        make_current(context)
         pose_list.set_step(context.object, self.step)
 
 

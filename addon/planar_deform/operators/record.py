@@ -11,7 +11,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from ..errors import Refusal
 from ..model.input.recording import Poses, Recording, smoothed
-from ..model.posing.pose_action import Sample, Solved
+from ..model.posing.posing import Sample, Solved
 from ..scene.objects.any_object import key_poses
 from ..scene.objects.cutout_object import begin
 from ..scene.pins import pin_list
@@ -20,8 +20,8 @@ from ..scene.view import snapshot
 from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, pack_path, unpack_path
 from .modal import running
+from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
-from .modal.pose_drag import SceneAction
 from .modal.session import PASSED_ON, Interactive, Session, put_away, put_up
 from .posing_operator import Refusing
 
@@ -48,8 +48,8 @@ class _Waiting:
 class _Take(Session):
     """A recording under way."""
 
-    def __init__(self, context: bpy.types.Context, action: SceneAction):
-        super().__init__(context, action, RECORDING)
+    def __init__(self, context: bpy.types.Context, posing: ObjectPosing):
+        super().__init__(context, posing, RECORDING)
         self.frame = context.scene.frame_current  # of its first pose
         self.concluded = False
 
@@ -101,13 +101,13 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         before = context.scene.frame_current
         try:
             poses = self._poses_of(unpack_path(self.path))
-            action = SceneAction(context, self.pin, self.extend, unkeyed=True)
+            posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
             try:
-                action.solve(poses.samples, poses.seen)
-                self._keep(context, action, poses)
+                posing.solve(poses.samples, poses.seen)
+                self._keep(context, posing, poses)
             except Exception:
                 context.scene.frame_set(before)
-                action.cancel()
+                posing.cancel()
                 raise
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
@@ -159,16 +159,16 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
         pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
         self.pin, self.extend = -1 if pin is None else pin, event.shift
-        action = SceneAction(context, self.pin, self.extend, unkeyed=True)
-        self._mouse = PlaneMouse(action, region, view, event)
+        posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
+        self._mouse = PlaneMouse(posing, region, view, event)
         try:
             self._drag = self._mouse.begin("MOVE")
         except Refusal:
-            action.cancel()
+            posing.cancel()
             raise
         if context.screen.is_animation_playing:
             bpy.ops.screen.animation_cancel(restore_frame=False)
-        self._session = _Take(context, action)
+        self._session = _Take(context, posing)
         self._waiting = None
         self._recording = Recording()
         self.frame = self._session.frame
@@ -231,7 +231,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         """While the poses are solved."""
         if event.type == "TIMER":
             if poses.share == 1.0:
-                self._keep(context, self._session.action, poses)
+                self._keep(context, self._session.posing, poses)
                 self.leave()
                 return {"FINISHED"}
             if context.area is not None:
@@ -243,12 +243,12 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             raise Refusal("There is no recorded path: start Record over the drawing and drag a pin")
         return Poses(smoothed(path, self.smoothing), self.frame_step)
 
-    def _keep(self, context: bpy.types.Context, action: SceneAction, poses: Poses) -> None:
+    def _keep(self, context: bpy.types.Context, posing: ObjectPosing, poses: Poses) -> None:
         """Key the poses; the last one is shown, and the pins hold it."""
-        action.scene.restore()
+        posing.drawing.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
         by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
-        key_poses(action.scene, by_frame, throughout=True)
+        key_poses(posing.drawing, by_frame, throughout=True)
         solved = poses.last
         assert solved is not None  # all of them are solved
         pin_list.store_results(context.object, begin(context), solved.results)

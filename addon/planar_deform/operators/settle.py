@@ -6,9 +6,9 @@ from __future__ import annotations
 import bpy
 
 from ..errors import Refusal
-from ..model.posing.pose_action import Sample, Solved
+from ..model.posing.posing import Sample, Solved
 from .modal import running
-from .modal.pose_drag import SceneAction
+from .modal.object_posing import ObjectPosing
 from .modal.session import Interactive, Session
 from .posing_operator import PosingOperator
 
@@ -23,16 +23,16 @@ class PLANAR_OT_settle_pose(Interactive, PosingOperator, bpy.types.Operator):
     )
 
     def apply(self, context: bpy.types.Context) -> None:
-        SceneAction(context, settling=True).run([STILL], settle=True)
+        ObjectPosing(context, settling=True).run([STILL], settle=True)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         running.end()
         try:
-            action = SceneAction(context, settling=True)
+            posing = ObjectPosing(context, settling=True)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        self._session = Session(context, action, "Settling")
+        self._session = Session(context, posing, "Settling")
         self._session.ask(STILL)
         context.window_manager.modal_handler_add(self)
         return self.release()

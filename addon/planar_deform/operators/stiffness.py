@@ -16,7 +16,7 @@ from .. import compat, native
 from ..errors import ObjectGone, Refusal
 from ..model.plane.cutout import NEUTRAL
 from ..model.posing import solver_cache
-from ..model.posing.pose_action import PoseAction, Solved
+from ..model.posing.posing import Posing, Solved
 from ..model.posing.solving import Solving, StoppedError
 from ..scene.objects import stiffness
 from ..scene.objects.cutout_object import begin, read_cutout
@@ -57,28 +57,28 @@ class _Settling:
     """A pose on its way to what its new stiffness makes of it. Raises Refusal."""
 
     def __init__(self, obj: bpy.types.Object):
-        self.scene = read_cutout(obj, mode=obj.mode)
-        settings, positions = obj.planar, self.scene.positions
-        used = pin_list.model_pins(obj, self.scene)
+        self.drawing = read_cutout(obj, mode=obj.mode)
+        settings, positions = obj.planar, self.drawing.positions
+        used = pin_list.model_pins(obj, self.drawing)
         if settings.method != "HOLD" or not any(pin.enabled for pin in used):
             raise Refusal("Stiffness is felt when pins are moved")
         make_poser = partial(
-            solver_cache.poser_for, obj.session_uid, self.scene.cutout, settings.method.lower(), positions
+            solver_cache.poser_for, obj.session_uid, self.drawing.cutout, settings.method.lower(), positions
         )
         self._solved: Solved | None = None
-        self._solving = Solving(PoseAction(self.scene.cutout, positions, used, (), make_poser))
+        self._solving = Solving(Posing(self.drawing.cutout, positions, used, (), make_poser))
         self._solving.ask((0.0, 0.0, 0.0))
         self._solving.hurry()
 
     def show(self) -> bool:
         """Show the newest; whether it has settled. Raises ObjectGone, SolveError and StoppedError."""
-        obj = self.scene.resolve()
+        obj = self.drawing.resolve()
         solved = self._solving.newest()
         if solved is not None:
-            self.scene.write(solved.positions)
+            self.drawing.write(solved.positions)
             self._solved = solved
         if self._solving.settled and self._solved is not None:
-            pin_list.store_results(obj, self.scene, self._solved.results)
+            pin_list.store_results(obj, self.drawing, self._solved.results)
             return True
         return False
 

@@ -63,7 +63,7 @@ class PlanarPin(bpy.types.PropertyGroup):
     angle: FloatProperty(
         name="Angle", description="Turn of a patch from rest", subtype="ANGLE", unit="ROTATION"
     )
-    # Object-local: where the pin was asked to be, and where the last action left it.
+    # Object-local: where the pin was asked to be, and where the last posing left it.
     has_target: BoolProperty(options={"HIDDEN"})
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
     reached: FloatVectorProperty(size=3, options={"HIDDEN"})
@@ -92,7 +92,7 @@ class PlanarPose(bpy.types.PropertyGroup):
     """A keyed pose of the object's sequence."""
 
     name: StringProperty(name="Name", description="Name of the pose and its shape key", update=_rename_block)
-    at: FloatProperty(options={"HIDDEN"})  # the place of its shape key on the curve, see scene/sequence/
+    at: FloatProperty(options={"HIDDEN"})  # the eval_time of its shape key on the curve, see scene/sequence/
     frame: FloatProperty(
         name="Frame",
         description="Frame at which the pose is shown: the first of its keys on the curve",
@@ -103,7 +103,7 @@ class PlanarPose(bpy.types.PropertyGroup):
         precision=0,
     )
     # Of the way to the next pose, see inbetweens/planning.py.
-    generated: IntProperty(options={"HIDDEN"})  # places of generated shapes
+    generated: IntProperty(options={"HIDDEN"})  # how many eval_times belong to generated shapes
     stamp: StringProperty(options={"HIDDEN"})  # what they were made from
     edited: BoolProperty(options={"HIDDEN"})  # whether they have been changed since
     turns: IntProperty(

@@ -14,11 +14,11 @@ def bent(obj, frame, height, seed=None):
 
     activate(obj)
     go_to(frame)
-    scene = begin_shape(bpy.context)
-    rest = scene.rest
+    drawing = begin_shape(bpy.context)
+    rest = drawing.rest
     angle = (rest[:, 0] - rest[:, 0].min()) * height
     radius = 1.0 / height
-    scene.write(
+    drawing.write(
         np.stack(
             [(radius - rest[:, 1]) * np.sin(angle), radius - (radius - rest[:, 1]) * np.cos(angle)], axis=1
         )

@@ -91,10 +91,10 @@ def test_a_recording_over_in_betweens_takes_out_what_is_generated_in_its_range()
     before = frames_shown(obj, range(1, 50))
     activate(obj)
     go_to(1)
-    scene = begin_shape(bpy.context)
-    recorded = {frame: scene.positions + 0.01 * frame for frame in range(13, 31)}
-    expected = {frame: scene.coordinates(positions) for frame, positions in recorded.items()}
-    key_poses(scene, recorded, throughout=True)
+    drawing = begin_shape(bpy.context)
+    recorded = {frame: drawing.positions + 0.01 * frame for frame in range(13, 31)}
+    expected = {frame: drawing.coordinates(positions) for frame, positions in recorded.items()}
+    key_poses(drawing, recorded, throughout=True)
     assert len(obj.planar.poses) == 2 + len(recorded)
     assert counts(obj) == [11] + [0] * 17 + [18, 0]
     for frame in range(1, 50):
@@ -421,15 +421,15 @@ def test_chosen_poses_alone():
     go_to(3)
     before, seen = everything(obj), evaluated(obj)
     activate(obj)
-    scene = begin_shape(bpy.context)
-    plan = planning.plan(scene, poses=[0, 3, 4])
-    running = writing.write(scene, plan, plan.solve())
+    drawing = begin_shape(bpy.context)
+    plan = planning.plan(drawing, poses=[0, 3, 4])
+    running = writing.write(drawing, plan, plan.solve())
     for _ in range(20):
         next(running)
     running.close()
     assert everything(obj) == before
     assert same(evaluated(obj), seen)
-    for _ in writing.write(scene, plan, plan.solve()):
+    for _ in writing.write(drawing, plan, plan.solve()):
         pass
     assert [pose.frame for pose in obj.planar.poses] == [1, 25, 33]
     assert counts(obj) == [23, 7, 0]

@@ -28,15 +28,15 @@ def native_frames(obj, shapes, **options):
     from planar_deform.scene.objects.any_object import begin_shape
 
     activate(obj)
-    scene = begin_shape(bpy.context)
+    drawing = begin_shape(bpy.context)
     frames = sorted(shapes)
     times = np.arange(frames[0], frames[-1] + 1)
     found = planar_native.inbetween(
-        [scene.flattened(shapes[frame]) for frame in frames],
+        [drawing.flattened(shapes[frame]) for frame in frames],
         times,
-        **scene.elements,
+        **drawing.elements,
         key_times=frames,
-        rest=scene.rest,
+        rest=drawing.rest,
         **options,
     )
     result = {}
@@ -45,7 +45,7 @@ def native_frames(obj, shapes, **options):
         before = max(other for other in frames if other <= frame)
         share = 0.0 if after == before else (frame - before) / (after - before)
         blend = shapes[before].astype(float) * (1.0 - share) + shapes[after].astype(float) * share
-        result[frame] = scene.moved(blend.astype(np.float32), positions)
+        result[frame] = drawing.moved(blend.astype(np.float32), positions)
     return result
 
 
@@ -365,9 +365,9 @@ def generating(obj):
     from planar_deform.scene.objects.any_object import begin_shape
 
     activate(obj)
-    scene = begin_shape(bpy.context)
-    plan = planning.plan(scene, path="ARC")
-    return writing.write(scene, plan, plan.solve())
+    drawing = begin_shape(bpy.context)
+    plan = planning.plan(drawing, path="ARC")
+    return writing.write(drawing, plan, plan.solve())
 
 
 @pytest.mark.parametrize("kind", ["new", "again", "crossed"])

@@ -82,8 +82,8 @@ def test_in_betweens_keep_layers_together(figure):
     obj = make_object(points @ PLANES["XZ"].T, faces.tolist())
     for frame, posed in (1, swung(rest, parts, 80, -60)), (25, swung(rest, parts, -70, 90, step=(1.0, 0.3))):
         bpy.context.scene.frame_set(frame)
-        scene = begin_shape(bpy.context)
-        scene.write(posed)
+        drawing = begin_shape(bpy.context)
+        drawing.write(posed)
         bpy.ops.planar.key_pose()
     bpy.ops.planar.generate_inbetweens()
     assert obj.planar.poses[0].generated == 23

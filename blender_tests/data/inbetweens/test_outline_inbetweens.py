@@ -18,11 +18,11 @@ def swirl(obj, angle):
     from planar_deform.scene.objects.any_object import begin_shape
 
     activate(obj)
-    scene = begin_shape(bpy.context)
-    points = scene.positions @ np.array([1.0, 1.0j])
+    drawing = begin_shape(bpy.context)
+    points = drawing.positions @ np.array([1.0, 1.0j])
     arms = points - points.mean()
-    points = points.mean() + arms * np.exp(1.0j * angle * (0.7 + np.abs(arms) / scene.diagonal))
-    scene.write(np.stack([points.real, points.imag], axis=1))
+    points = points.mean() + arms * np.exp(1.0j * angle * (0.7 + np.abs(arms) / drawing.diagonal))
+    drawing.write(np.stack([points.real, points.imag], axis=1))
 
 
 def posed(obj):

@@ -67,7 +67,7 @@ def test_no_inbetween_is_farther_than_told():
     assert worst <= solved.furthest * 1.0001
     told = plan.summary(solved)
     assert told.startswith(f"13 poses → {len(obj.planar.poses)}, furthest")
-    assert told.endswith(f"{solved.furthest / plan._scene.diagonal:.2%} of the size")
+    assert told.endswith(f"{solved.furthest / plan._drawing.diagonal:.2%} of the size")
     # What was recorded on threes is filled at every frame.
     assert sum(item.generated for item in obj.planar.poses) + len(obj.planar.poses) == 37
 

@@ -36,18 +36,18 @@ def test_a_pose_stays_in_the_plane_and_moves_the_pin_in_world_lengths(plane, tra
     bpy.context.view_layer.update()
     before = world(obj)
     size = float(np.linalg.norm(np.ptp(before, axis=0)))
-    scene, action = pose(obj, offset=(0.0, 0.3 * size))
+    drawing, posing = pose(obj, offset=(0.0, 0.3 * size))
     after = world(obj)
-    depth = (after - before) @ scene.frame.n
+    depth = (after - before) @ drawing.frame.n
     # float32 coordinates: their rounding seen in the world, plus the distance from the origin.
     rounding = 4e-7 * (size + np.abs(after).max())
     assert np.abs(depth).max() < rounding
     held = [element.index for element in obj.data.vertices if any(g.group == 1 for g in element.groups)]
     moved = (after - before)[held].mean(axis=0)
     # A soft pin reaches its target nearly; stretched, the bar is higher than wide and resists the most.
-    assert moved @ scene.frame.v == pytest.approx(0.3 * size, rel=0.15)
-    assert moved @ scene.frame.u == pytest.approx(0.0, abs=0.05 * size)
-    assert action.solved().report.flipped == 0
+    assert moved @ drawing.frame.v == pytest.approx(0.3 * size, rel=0.15)
+    assert moved @ drawing.frame.u == pytest.approx(0.0, abs=0.05 * size)
+    assert posing.solved().report.flipped == 0
 
 
 @pytest.mark.parametrize("transform", ["rotated", "mirrored", "sheared"])
@@ -165,9 +165,9 @@ def test_depth_within_the_tolerance_is_kept():
     obj = make_object(vertices, faces.tolist())
     before = coordinates(obj.data.vertices)
     add_end_pins(obj, 8, 45)
-    scene, _ = pose(obj, offset=(0.2, 0.4))
+    drawing, _ = pose(obj, offset=(0.2, 0.4))
     after = coordinates(obj.data.vertices)
-    assert np.abs((after - before) @ scene.frame.n).max() < 2e-7
+    assert np.abs((after - before) @ drawing.frame.n).max() < 2e-7
     assert np.abs(after - before).max() > 0.3
 
 
@@ -178,8 +178,8 @@ def test_writing_the_shape_that_is_shown_changes_no_bit():
     obj.matrix_world = TRANSFORMS["rotated"]
     obj.data.vertices[0].co = (-0.0, 0.0, -0.0)
     before = coordinates(obj.data.vertices)
-    scene = begin(bpy.context)
-    scene.write(scene.positions)
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions)
     assert np.array_equal(coordinates(obj.data.vertices).view(np.uint32), before.view(np.uint32))
 
 
@@ -189,10 +189,10 @@ def test_restore_brings_back_every_bit():
     obj = bar(plane="tilted")
     obj.matrix_world = TRANSFORMS["stretched"]
     before = coordinates(obj.data.vertices)
-    scene = begin(bpy.context)
-    scene.write(scene.positions * 1.7 + 0.3)
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions * 1.7 + 0.3)
     assert not np.array_equal(coordinates(obj.data.vertices), before)
-    scene.restore()
+    drawing.restore()
     assert np.array_equal(coordinates(obj.data.vertices).view(np.uint32), before.view(np.uint32))
     assert np.array_equal(evaluated(obj), before)
 
@@ -228,13 +228,13 @@ def test_a_ray_finds_the_nearest_layer_first_and_an_edge_on_view_finds_nothing()
     front, faces = grid(2, 2, 1, 1, depth=1.0)
     back, _ = grid(2, 2, 4, 4, depth=0.0)
     make_object(np.concatenate([front, back]), faces.tolist() + (faces + 9).tolist())
-    scene = begin(bpy.context)
-    part_of = scene.cutout.parts[scene.cutout.triangles[:, 0]]
+    drawing = begin(bpy.context)
+    part_of = drawing.cutout.parts[drawing.cutout.triangles[:, 0]]
     down = np.array([0.0, 0.0, -1.0])
-    assert part_of[scene.pick(np.array([0.5, 0.4, 9.0]), down).triangle] == 0
-    assert part_of[scene.pick(np.array([0.5, 0.4, -9.0]), -down).triangle] == 1
-    assert part_of[scene.pick(np.array([3.0, 3.1, 9.0]), down).triangle] == 1
-    assert scene.pick(np.array([7.0, 0.0, 9.0]), down) is None
-    assert scene.pick(np.array([0.5, 0.4, 9.0]), np.array([1.0, 0.0, -0.01])) is None
-    met = scene.plane_from_ray(np.array([0.0, 0.0, 5.0]), np.array([0.3, 0.0, -1.0]))
+    assert part_of[drawing.pick(np.array([0.5, 0.4, 9.0]), down).triangle] == 0
+    assert part_of[drawing.pick(np.array([0.5, 0.4, -9.0]), -down).triangle] == 1
+    assert part_of[drawing.pick(np.array([3.0, 3.1, 9.0]), down).triangle] == 1
+    assert drawing.pick(np.array([7.0, 0.0, 9.0]), down) is None
+    assert drawing.pick(np.array([0.5, 0.4, 9.0]), np.array([1.0, 0.0, -0.01])) is None
+    met = drawing.plane_from_ray(np.array([0.0, 0.0, 5.0]), np.array([0.3, 0.0, -1.0]))
     assert met == pytest.approx([1.2, 0.0])  # in the first part, at depth 1

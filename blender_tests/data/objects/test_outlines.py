@@ -25,16 +25,16 @@ def test_each_keyed_frame_shows_its_pose_to_the_bit(kind, plane, transform):
     assert len({shape.tobytes() for shape in shapes.values()}) == 4
     for frame, shape in shapes.items():
         assert same(shown_at(obj, frame), shape)
-    scene = begin_shape(bpy.context)
+    drawing = begin_shape(bpy.context)
     world = shapes[13].astype(float) @ np.array(obj.matrix_world.to_3x3()).T
-    joined = world[scene.vertex_indices]
+    joined = world[drawing.vertex_indices]
     size = np.linalg.norm(np.ptp(joined, axis=0))
     # Posed in the plane alone: only rounding leaves it.
-    deep = joined @ scene.frame.n
-    for part in range(scene.parts.max() + 1):
-        assert np.ptp(deep[scene.parts == part]) < 1e-6 * size
-    assert scene.diagonal == pytest.approx(np.linalg.norm(np.ptp(scene.rest, axis=0)))
-    assert scene.rest == pytest.approx(scene.flattened(scene.rest_coordinates()), abs=1e-6 * size)
+    deep = joined @ drawing.frame.n
+    for part in range(drawing.parts.max() + 1):
+        assert np.ptp(deep[drawing.parts == part]) < 1e-6 * size
+    assert drawing.diagonal == pytest.approx(np.linalg.norm(np.ptp(drawing.rest, axis=0)))
+    assert drawing.rest == pytest.approx(drawing.flattened(drawing.rest_coordinates()), abs=1e-6 * size)
     assert bpy.ops.planar.clear_poses() == {"FINISHED"}
     assert stored(obj) == before
 
@@ -278,9 +278,9 @@ def test_a_straight_line_lies_in_the_plane_of_its_other_shapes():
 
     stick = [(0.3 * i, 0.0, 0.0) for i in range(5)]
     obj = make_object(stick, [], chain(5))
-    scene = begin_shape(bpy.context)
-    assert scene.frame.letters == ("X", "Y")
-    assert scene.diagonal == pytest.approx(1.2)
+    drawing = begin_shape(bpy.context)
+    assert drawing.frame.letters == ("X", "Y")
+    assert drawing.diagonal == pytest.approx(1.2)
     key(obj, 1)
     key(obj, 9)
     obj.data.shape_keys.key_blocks[-1].data[2].co.z = 0.2  # bent in XZ

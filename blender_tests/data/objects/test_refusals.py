@@ -146,21 +146,21 @@ def test_an_object_that_is_gone_or_replaced_during_an_action_is_noticed():
 
     obj = bar(name="Gone")
     add_end_pins(obj)
-    scene = begin(bpy.context)
+    drawing = begin(bpy.context)
     bpy.data.objects.remove(obj)
     with pytest.raises(ObjectGone):
-        scene.write(scene.positions + 1.0)
+        drawing.write(drawing.positions + 1.0)
     other = bar(name="Gone")  # the same name, another object
     before = coordinates(other.data.vertices)
     with pytest.raises(ObjectGone):
-        scene.write(scene.positions + 1.0)
+        drawing.write(drawing.positions + 1.0)
     with pytest.raises(ObjectGone):
-        scene.restore()
+        drawing.restore()
     assert np.array_equal(coordinates(other.data.vertices), before)
-    scene = begin(bpy.context)
+    drawing = begin(bpy.context)
     other.data.vertices.add(1)
     with pytest.raises(ObjectGone):
-        scene.write(scene.positions)
+        drawing.write(drawing.positions)
 
 
 def test_positions_that_blender_cannot_store_are_refused_and_change_nothing():
@@ -170,7 +170,7 @@ def test_positions_that_blender_cannot_store_are_refused_and_change_nothing():
     obj = bar()
     obj.scale = (1e-6, 1e-6, 1e-6)
     before = coordinates(obj.data.vertices)
-    scene = begin(bpy.context)
+    drawing = begin(bpy.context)
     with pytest.raises(Refusal, match="less"):
-        scene.write(scene.positions + 1e33)
+        drawing.write(drawing.positions + 1e33)
     assert np.array_equal(coordinates(obj.data.vertices), before)

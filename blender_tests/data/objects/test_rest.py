@@ -180,7 +180,7 @@ def test_extruded_vertices_rest_as_a_continuation_not_on_their_source(plane):
     inward = old[right] - old[[row - 1 for row in right]]
     along = inward / np.linalg.norm(inward, axis=1)[:, None]
     assert ((rest[65:] - old[right]) * along).sum(axis=1) == pytest.approx(0.25, abs=0.08)
-    # The next action keeps it, so that it no longer depends on the pose.
+    # The next posing keeps it, so that it no longer depends on the pose.
     pose(obj, offset=(0.0, 0.1))
     kept = stored_rest(obj)
     assert np.array_equal(kept[:65], before)
@@ -201,10 +201,10 @@ def test_restore_also_takes_back_a_completed_rest():
         lambda vertex: vertex.index >= 60,
     )
     before, points = stored_rest(obj), coordinates(obj.data.vertices)
-    scene = begin(bpy.context)
-    scene.write(scene.positions + 0.1)
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions + 0.1)
     assert not np.array_equal(stored_rest(obj), before)
-    scene.restore()
+    drawing.restore()
     assert np.array_equal(stored_rest(obj), before)
     assert np.array_equal(coordinates(obj.data.vertices), points)
 
@@ -294,8 +294,8 @@ def test_a_drawing_turned_over_since_is_not_taken_for_flipped():
 def test_a_drawing_stood_up_since_is_posed_in_its_new_plane():
     obj = posed_bar()
     obj.data.transform(Matrix.Rotation(np.pi / 2, 4, "X"))
-    scene, _ = pose(obj, offset=(0.0, 0.1))
-    assert scene.frame.letters == ("X", "Z")
+    drawing, _ = pose(obj, offset=(0.0, 0.1))
+    assert drawing.frame.letters == ("X", "Z")
     assert measured(obj).flipped == 0
     assert measured(obj).area < 2.2
 
@@ -309,10 +309,10 @@ def test_a_rest_is_stored_by_the_first_action_where_shape_keys_that_held_it_are_
     before = coordinates(obj.data.vertices)
     from planar_deform.scene.objects.cutout_object import begin
 
-    scene = begin(bpy.context)
-    scene.write(scene.positions + 0.5)
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions + 0.5)
     assert np.array_equal(stored_rest(obj), before)
-    scene.restore()
+    drawing.restore()
     assert "planar_rest" not in obj.data.attributes
     pose(obj, offset=(-0.6, 0.9))
     assert np.array_equal(stored_rest(obj), before)

@@ -27,7 +27,7 @@ def circle(radius, turns=1.0, samples=40):
 
 
 def place(obj, index=1):
-    """Where the last action left a pin (object-local)."""
+    """Where the last posing left a pin (object-local)."""
     return np.array(obj.planar.pins[index].reached)
 
 

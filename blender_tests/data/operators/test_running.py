@@ -17,7 +17,7 @@ KEYED = (1, 25, 49)
 
 
 def held(obj):
-    """All that an action may change and Esc takes back."""
+    """All that a posing may change and Esc takes back."""
     settings, keys = obj.planar, obj.data.shape_keys
     return (
         coordinates(obj.data.vertices).tobytes(),
@@ -40,12 +40,12 @@ def scene():
 
 
 def drag(kind=None, *, settling=False):
-    from planar_deform.operators.modal.pose_drag import SceneAction
+    from planar_deform.operators.modal.object_posing import ObjectPosing
     from planar_deform.operators.modal.session import Session
 
     context = bpy.context
-    action = SceneAction(context, settling=settling, unkeyed=kind is not None)
-    session = Session(context, action, "Keys") if kind is None else kind(context, action)
+    posing = ObjectPosing(context, settling=settling, unkeyed=kind is not None)
+    session = Session(context, posing, "Keys") if kind is None else kind(context, posing)
     session.ask(STILL if settling else FAR)
     session.catch_up()
     assert session.shown is not None
@@ -278,7 +278,7 @@ class Hands:
 @pytest.mark.parametrize("start", [drag, take, released_drag])
 def test_an_error_on_the_way_ends_it_once_with_everything_as_it_was(start, capfd, monkeypatch):
     from planar_deform.operators.modal import running
-    from planar_deform.operators.modal.pose_drag import SceneAction
+    from planar_deform.operators.modal.object_posing import ObjectPosing
     from planar_deform.operators.modal.session import Interactive
 
     def fail(*_):
@@ -288,7 +288,7 @@ def test_an_error_on_the_way_ends_it_once_with_everything_as_it_was(start, capfd
     before = held(obj)
     operator = type("Broken", (Hands, Interactive), {})(start())
     assert held(obj) != before
-    monkeypatch.setattr(SceneAction, "finish", fail)
+    monkeypatch.setattr(ObjectPosing, "finish", fail)
     event = type("Event", (), {"type": "RET", "value": "PRESS"})()
     assert operator.modal(bpy.context, event) == {"CANCELLED"}
     assert held(obj) == before

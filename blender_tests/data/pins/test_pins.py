@@ -21,10 +21,9 @@ def places(obj):
     from planar_deform.scene.pins import pin_list
 
     activate(obj)
-    scene = begin(bpy.context)
-    return {
-        pin.key: Holder(pin, scene.cutout).place(scene.positions) for pin in pin_list.model_pins(obj, scene)
-    }
+    drawing = begin(bpy.context)
+    holders = [Holder(pin, drawing.cutout) for pin in pin_list.model_pins(obj, drawing)]
+    return {holder.pin.key: holder.place(drawing.positions) for holder in holders}
 
 
 def weights(obj, group):

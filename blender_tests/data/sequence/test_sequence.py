@@ -65,9 +65,9 @@ def test_the_basis_is_the_rest_and_the_solver_starts_from_what_is_shown():
     assert same(coordinates(obj.data.shape_keys.reference_key.data), rest)
     for frame in (1, 7.25, 25):
         go_to(frame)
-        scene = begin(bpy.context)
-        assert np.abs(scene.positions - scene.from_local(evaluated(obj).astype(float))).max() < 1e-6
-        assert np.abs(scene.cutout.rest - scene.from_local(rest.astype(float))).max() < 1e-7
+        drawing = begin(bpy.context)
+        assert np.abs(drawing.positions - drawing.from_local(evaluated(obj).astype(float))).max() < 1e-6
+        assert np.abs(drawing.cutout.rest - drawing.from_local(rest.astype(float))).max() < 1e-7
 
 
 def test_posing_at_a_keyed_frame_edits_that_pose():
@@ -128,8 +128,8 @@ def test_no_easing_reaches_an_unkeyed_pose(easing):
     write(obj, 7)
     from planar_deform.scene.objects.cutout_object import begin
 
-    scene = begin(bpy.context)
-    scene.write(scene.positions + 100.0)  # to be seen at once if it were blended in
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions + 100.0)  # to be seen at once if it were blended in
     for frame in np.arange(0.0, 52.0, 0.25):
         assert np.abs(shown_at(obj, frame)).max() < 3.0
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
@@ -188,8 +188,8 @@ def test_a_key_duplicated_in_the_dope_sheet_holds_its_pose_and_a_pose_keyed_on_i
     from planar_deform.scene.objects.any_object import key_poses
     from planar_deform.scene.objects.cutout_object import begin
 
-    scene = begin(bpy.context)
-    key_poses(scene, {35: scene.positions + 0.25})
+    drawing = begin(bpy.context)
+    key_poses(drawing, {35: drawing.positions + 0.25})
     assert same(shown_at(obj, 25), shapes[25])
     assert np.abs(shown_at(obj, 35) - shapes[25]).max() == pytest.approx(0.25, abs=1e-6)
     assert frames(obj) == [[1], [25], [35], [49]]
@@ -226,18 +226,18 @@ def test_many_poses_at_once_by_frame_step():
     obj, shapes = keyed_bar((1, 200))
     activate(obj)
     go_to(1)
-    scene = begin(bpy.context)
-    put = {frame: scene.positions + 0.001 * frame for frame in range(10, 101, 3)}
-    expected = {frame: scene.coordinates(positions) for frame, positions in put.items()}
-    key_poses(scene, put)
+    drawing = begin(bpy.context)
+    put = {frame: drawing.positions + 0.001 * frame for frame in range(10, 101, 3)}
+    expected = {frame: drawing.coordinates(positions) for frame, positions in put.items()}
+    key_poses(drawing, put)
     assert len(obj.planar.poses) == 2 + len(put)
     for frame, shape in {**shapes, **expected}.items():
         assert same(shown_at(obj, frame), shape)
     # once more over a part of it, between and over what is there
-    scene = begin(bpy.context)
-    over = {frame: scene.positions - 0.001 * frame for frame in range(50, 60)}
-    expected |= {frame: scene.coordinates(positions) for frame, positions in over.items()}
-    key_poses(scene, over)
+    drawing = begin(bpy.context)
+    over = {frame: drawing.positions - 0.001 * frame for frame in range(50, 60)}
+    expected |= {frame: drawing.coordinates(positions) for frame, positions in over.items()}
+    key_poses(drawing, over)
     assert len(obj.planar.poses) == 2 + len(expected)
     for frame, shape in {**shapes, **expected}.items():
         assert same(shown_at(obj, frame), shape)
@@ -253,17 +253,17 @@ def test_poses_put_throughout_replace_what_is_keyed_between_them():
     curve.keyframe_points.insert(12, curve.keyframe_points[2].co[1] - 3.0)  # retiming
     activate(obj)
     go_to(1)
-    scene = begin(bpy.context)
-    put = {frame: scene.positions + 0.01 * frame for frame in (10, 14, 18, 22)}
-    expected = {frame: scene.coordinates(positions) for frame, positions in put.items()}
-    key_poses(scene, put, throughout=True)
+    drawing = begin(bpy.context)
+    put = {frame: drawing.positions + 0.01 * frame for frame in (10, 14, 18, 22)}
+    expected = {frame: drawing.coordinates(positions) for frame, positions in put.items()}
+    key_poses(drawing, put, throughout=True)
     assert [frame for frame, *_ in timing(obj)] == [1, 10, 14, 18, 22, 25, 35, 40]
     assert sorted(frames(obj)) == [[1], [10], [14], [18], [22], [25], [35], [40]]
     for frame, shape in {1: shapes[1], **expected, 25: shapes[25], 35: shapes[13], 40: shapes[40]}.items():
         assert same(shown_at(obj, frame), shape)
     # and where that is all there was
-    scene = begin(bpy.context)
-    key_poses(scene, {0: scene.positions, 50: scene.positions + 0.1}, throughout=True)
+    drawing = begin(bpy.context)
+    key_poses(drawing, {0: drawing.positions, 50: drawing.positions + 0.1}, throughout=True)
     assert frames(obj) == [[0], [50]]
     assert same(shown_at(obj, 0), shapes[40])
 
@@ -274,13 +274,13 @@ def test_two_hundred_poses_of_five_thousand_vertices(tmp_path):
 
     vertices, faces = grid(99, 49)
     obj = make_object(vertices, faces.tolist())
-    scene = begin(bpy.context)
+    drawing = begin(bpy.context)
     waves = {
-        frame: scene.positions + 0.1 * np.sin(frame * 0.1 + scene.positions[:, ::-1] * 3.0)
+        frame: drawing.positions + 0.1 * np.sin(frame * 0.1 + drawing.positions[:, ::-1] * 3.0)
         for frame in range(1, 201)
     }
-    expected = {frame: scene.coordinates(positions) for frame, positions in waves.items()}
-    key_poses(scene, waves)
+    expected = {frame: drawing.coordinates(positions) for frame, positions in waves.items()}
+    key_poses(drawing, waves)
     path = str(tmp_path / "long.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, compress=False)
     bpy.ops.wm.open_mainfile(filepath=path)
@@ -343,18 +343,18 @@ def test_cancelling_restores_to_the_bit():
     for frame in (13, 25, 60):
         go_to(frame)
         before, shown = stored(obj), evaluated(obj)
-        scene = begin(bpy.context)
-        scene.write(scene.positions + 0.3)
-        scene.write(scene.positions + 0.1)
-        scene.restore()
+        drawing = begin(bpy.context)
+        drawing.write(drawing.positions + 0.3)
+        drawing.write(drawing.positions + 0.1)
+        drawing.restore()
         assert stored(obj) == before
         assert same(evaluated(obj), shown)
     go_to(13)
     unkeyed = write(obj, 4)
     before = stored(obj)
-    scene = begin(bpy.context)
-    scene.write(scene.positions + 0.3)
-    scene.restore()
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions + 0.3)
+    drawing.restore()
     assert stored(obj) == before
     assert same(evaluated(obj), unkeyed)
 
@@ -366,15 +366,15 @@ def test_an_unkeyed_action_leaves_the_keyed_pose_alone():
     obj, shapes = keyed_bar()
     go_to(25)
     before = stored(obj)
-    scene = begin(bpy.context, unkeyed=True)
+    drawing = begin(bpy.context, unkeyed=True)
     for frame in (25, 26, 27, 49):
         go_to(frame)
-        scene.write(scene.positions + 0.01 * frame)
+        drawing.write(drawing.positions + 0.01 * frame)
         assert np.abs(evaluated(obj) - shapes[25]).max() == pytest.approx(0.01 * frame, abs=1e-6)
     go_to(25)
-    scene.restore()
+    drawing.restore()
     assert stored(obj) == before
-    key_poses(scene, {frame: scene.positions + 0.01 * frame for frame in (26, 28)})
+    key_poses(drawing, {frame: drawing.positions + 0.01 * frame for frame in (26, 28)})
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
     assert frames(obj) == [[1], [25], [26], [28], [49]]
 

@@ -22,7 +22,7 @@ def assert_whole(obj):
     keys, poses = obj.data.shape_keys, obj.planar.poses
     blocks = blocks_of(obj)
     assert [block.name for block in blocks if block.pose is not None] == [pose.name for pose in poses]
-    assert all(block.sample for block in blocks if block.pose is None)
+    assert all(block.inbetween for block in blocks if block.pose is None)
     assert [round(keys.key_blocks[pose.name].frame) for pose in poses] == [pose.at for pose in poses]
     assert [block.source for block in blocks] == [1024.0 + 8.0 * index for index in range(len(blocks))]
     assert sum(pose.generated for pose in poses) == len(blocks) - len(poses)
@@ -64,9 +64,9 @@ def do(obj, random):
     elif what == "record":
         from planar_deform.scene.objects.any_object import begin_shape, key_poses
 
-        scene, first = begin_shape(bpy.context), int(random.integers(-10, 70))
-        shapes = {first + step: scene.positions + 0.01 * step for step in range(4)}
-        key_poses(scene, shapes, throughout=True)
+        drawing, first = begin_shape(bpy.context), int(random.integers(-10, 70))
+        shapes = {first + step: drawing.positions + 0.01 * step for step in range(4)}
+        key_poses(drawing, shapes, throughout=True)
     elif what == "generate" and bpy.ops.planar.generate_inbetweens.poll():
         try:
             bpy.ops.planar.generate_inbetweens(smooth=bool(random.integers(2)))

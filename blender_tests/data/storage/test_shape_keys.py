@@ -48,9 +48,9 @@ def assert_shown_is_solved(obj):
     from planar_deform.scene.objects.cutout_object import begin
 
     activate(obj)
-    scene = begin(bpy.context)
-    shown = evaluated(obj)[scene.vertex_indices]
-    assert np.abs(scene.positions - scene.from_local(shown.astype(float))).max() < 1e-6
+    drawing = begin(bpy.context)
+    shown = evaluated(obj)[drawing.vertex_indices]
+    assert np.abs(drawing.positions - drawing.from_local(shown.astype(float))).max() < 1e-6
 
 
 def test_an_active_basis_gets_a_key_named_pose():
@@ -66,7 +66,7 @@ def test_an_active_basis_gets_a_key_named_pose():
     assert np.array_equal(key_points(obj, "Basis"), basis)
     assert np.array_equal(coordinates(obj.data.vertices), basis)
     assert np.abs(evaluated(obj) - basis).max() > 0.3
-    pose(obj, offset=(0.1, 0.0))  # the second action goes into the same key
+    pose(obj, offset=(0.1, 0.0))  # the second posing goes into the same key
     assert len(keys.key_blocks) == 2
 
 
@@ -79,8 +79,8 @@ def test_a_pose_key_starts_from_the_basis_not_from_the_mesh():
     from planar_deform.scene.objects.cutout_object import begin
 
     activate(obj)
-    scene = begin(bpy.context)
-    scene.write(scene.positions)
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions)
     assert np.array_equal(key_points(obj, "Pose"), basis)
 
 
@@ -93,11 +93,11 @@ def test_restore_takes_the_new_pose_key_away_again():
     activate_key(obj, "Basis")
     before = {key.name: coordinates(key.data) for key in obj.data.shape_keys.key_blocks}
     shown = evaluated(obj)
-    scene = begin(bpy.context)
-    scene.write(scene.positions + 0.2)
+    drawing = begin(bpy.context)
+    drawing.write(drawing.positions + 0.2)
     assert "Pose" in obj.data.shape_keys.key_blocks
-    scene.write(scene.positions + 0.4)
-    scene.restore()
+    drawing.write(drawing.positions + 0.4)
+    drawing.restore()
     after = {key.name: coordinates(key.data) for key in obj.data.shape_keys.key_blocks}
     assert after.keys() == before.keys()
     assert all(np.array_equal(after[name], before[name]) for name in before)
@@ -112,11 +112,11 @@ def test_the_active_key_alone_is_written_and_unmoved_vertices_keep_their_bits():
     add_end_pins(obj)
     before = {key.name: coordinates(key.data) for key in obj.data.shape_keys.key_blocks}
     mesh = coordinates(obj.data.vertices)
-    scene, _ = pose(obj, offset=(0.0, 0.4))
+    drawing, _ = pose(obj, offset=(0.0, 0.4))
     for name in ("Basis", "Smile"):
         assert np.array_equal(key_points(obj, name), before[name])
     assert np.array_equal(coordinates(obj.data.vertices), mesh)
-    scene.restore()
+    drawing.restore()
     assert np.array_equal(key_points(obj, "Pose").view(np.uint32), before["Pose"].view(np.uint32))
 
 
@@ -130,8 +130,8 @@ def test_a_pose_shows_in_full_whatever_the_value_of_its_key(value):
     activate_key(obj, "Pose")
     add_end_pins(obj)
     assert_shown_is_solved(obj)
-    scene, action = pose(obj, offset=(0.0, 0.5))
-    assert np.abs(scene.from_local(evaluated(obj).astype(float)) - action.positions).max() < 2e-6
+    drawing, posing = pose(obj, offset=(0.0, 0.5))
+    assert np.abs(drawing.from_local(evaluated(obj).astype(float)) - posing.positions).max() < 2e-6
 
 
 def test_mutes_relative_chains_and_masks_show_as_blender_evaluates_them():
@@ -160,10 +160,10 @@ def test_keys_relative_to_the_posed_one_are_counted(child):
     activate_key(obj, "Pose")
     add_end_pins(obj)
     assert_shown_is_solved(obj)
-    scene, action = pose(obj, offset=(0.1, 0.4))
+    drawing, posing = pose(obj, offset=(0.1, 0.4))
     # The share is 1 - child: the key's own float32 rounding is divided by it.
     limit = 1e-6 / (1.0 - child)
-    assert np.abs(scene.from_local(evaluated(obj).astype(float)) - action.positions).max() < limit
+    assert np.abs(drawing.from_local(evaluated(obj).astype(float)) - posing.positions).max() < limit
 
 
 def test_a_key_whose_effect_is_cancelled_by_another_is_refused():
@@ -180,8 +180,8 @@ def test_a_mask_on_the_posed_key_is_right_where_it_lets_through_and_refused_wher
     group.add(list(range(65)), 0.5, "REPLACE")
     add_key(obj, "Pose", 1.0, seed=1, group="Mask")
     add_end_pins(obj)
-    scene, action = pose(obj, offset=(0.0, 0.4))
-    assert np.abs(scene.from_local(evaluated(obj).astype(float)) - action.positions).max() < 2e-6
+    drawing, posing = pose(obj, offset=(0.0, 0.4))
+    assert np.abs(drawing.from_local(evaluated(obj).astype(float)) - posing.positions).max() < 2e-6
     group.remove([7])
     assert "Mask" in refusal(obj)
 
@@ -193,8 +193,8 @@ def test_shape_key_lock_shows_and_poses_the_active_key_alone():
     obj.show_only_shape_key = True
     add_end_pins(obj)
     assert_shown_is_solved(obj)
-    scene, action = pose(obj, offset=(0.0, 0.4))
-    assert np.abs(scene.from_local(evaluated(obj).astype(float)) - action.positions).max() < 1e-6
+    drawing, posing = pose(obj, offset=(0.0, 0.4))
+    assert np.abs(drawing.from_local(evaluated(obj).astype(float)) - posing.positions).max() < 1e-6
     activate_key(obj, "Basis")
     assert "Lock" in refusal(obj)
 
@@ -232,8 +232,8 @@ def test_the_basis_is_the_rest_and_no_attribute_is_made():
     add_end_pins(obj)
     pose(obj, offset=(0.0, 0.5))
     assert "planar_rest" not in obj.data.attributes
-    scene = begin(bpy.context)
-    assert scene.cutout.rest == pytest.approx(scene.from_local(key_points(obj, "Basis").astype(float)))
+    drawing = begin(bpy.context)
+    assert drawing.cutout.rest == pytest.approx(drawing.from_local(key_points(obj, "Basis").astype(float)))
 
 
 def test_reset_takes_the_posed_keys_difference_away_and_nothing_else():
@@ -290,9 +290,9 @@ def test_vertices_extruded_in_the_posed_key_are_solved_with_a_rest_of_their_own(
     bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.3, 0.0, 0.0)})
     bpy.ops.object.mode_set(mode="OBJECT")
     basis = key_points(obj, "Basis")
-    scene, _ = pose(obj, offset=(0.0, 0.1))
-    new = scene.cutout.rest[65:]
-    assert np.linalg.norm(new - scene.cutout.rest[[12 + 13 * row for row in range(5)]], axis=1).min() > 0.2
+    drawing, _ = pose(obj, offset=(0.0, 0.1))
+    new = drawing.cutout.rest[65:]
+    assert np.linalg.norm(new - drawing.cutout.rest[[12 + 13 * row for row in range(5)]], axis=1).min() > 0.2
     assert measured(obj).flipped == 0
     assert np.array_equal(key_points(obj, "Basis"), basis)
 

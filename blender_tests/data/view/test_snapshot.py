@@ -93,8 +93,8 @@ def test_a_drag_is_of_one_object():
     from planar_deform.scene.view import snapshot
 
     first, second = pinned("First"), pinned("Second", (0.0, 5.0, 0.0))
-    scene = read_cutout(first)
-    snapshot.follow(scene, scene.positions + np.array([0.0, 3.0]), [])
+    drawing = read_cutout(first)
+    snapshot.follow(drawing, drawing.positions + np.array([0.0, 3.0]), [])
     followed = seen_of(first)
     assert followed.points[:, 1].min() == pytest.approx(3.0)
     assert seen_of(second).pin(0).place == pytest.approx(left_pin(second), abs=1e-6)

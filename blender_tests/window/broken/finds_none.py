@@ -12,4 +12,4 @@ def test_finds_no_traces(window: Window) -> Iterator[None]:
     assert EXTENSION in bpy.context.preferences.addons, "the extension is not enabled"
     assert not hasattr(addon("registration"), "trace"), "the add-on's modules are those of the last file"
     assert bpy.context.preferences.view.show_tooltips, "the preferences are those of the last file"
-    assert bpy.context.scene.render.fps == 24, "the scene is that of the last file"
+    assert bpy.context.scene.render.fps == 24, "the drawing is that of the last file"

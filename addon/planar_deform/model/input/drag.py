@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from ..posing.pose_action import Sample
+from ..posing.posing import Sample
 from .numeric import Numeric
 
 Mode = Literal["MOVE", "ROTATE"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..plane.frame import Array
-from ..posing.pose_action import Sample, Solved
+from ..posing.posing import Sample, Solved
 
 # Refinements of each pose that is kept. A frame's move is short, so that few are needed.
 REFINEMENTS = 3
@@ -79,5 +79,5 @@ class Poses:
 
 
 def _rows(values: Array) -> list[Sample]:
-    """Samples as an action takes them: rounded to float32."""
+    """Samples as a posing takes them: rounded to float32."""
     return [(float(du), float(dv), float(angle)) for du, dv, angle in values.astype(np.float32)]

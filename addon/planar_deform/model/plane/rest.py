@@ -22,7 +22,7 @@ def coincident_edges(rest: Array32, triangles: Indices) -> Indices:
 def copied_along_edges(coincident: Indices, current: Array, least: float) -> Mask:
     """The vertices (mask n) whose rest is a copy of a neighbour's that is more than `least` away.
 
-    That is what extruding leaves: Blender copies the point attributes of the source vertex to the new one,
+    That is what extruding leaves: Blender copies the point attributes of the tail vertex to the new one,
     which comes later in the mesh. `coincident` is what coincident_edges() finds, `current` is n x d.
     """
     apart = np.linalg.norm(current[coincident[:, 0]] - current[coincident[:, 1]], axis=1) > least
@@ -74,36 +74,36 @@ def completed(rest: Array, current: Array, triangles: Indices, known: Mask) -> A
     """
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     edges = np.concatenate([edges, edges[:, ::-1]])
-    source, target = edges.T
+    tail, head = edges.T
     flat_rest, flat_current = rest @ np.array([1.0, 1j]), current @ np.array([1.0, 1j])
     count, known = len(rest), known.copy()
 
     # The turn back to rest around each known vertex: the best fit of its edges to known neighbours.
-    both = known[source] & known[target]
+    both = known[tail] & known[head]
     turns = _gathered(
-        (flat_rest[target] - flat_rest[source]) * np.conj(flat_current[target] - flat_current[source]),
-        target,
+        (flat_rest[head] - flat_rest[tail]) * np.conj(flat_current[head] - flat_current[tail]),
+        head,
         both,
         count,
     )
     turns = _unit(turns)
     while True:
-        step = known[source] & ~known[target]
+        step = known[tail] & ~known[head]
         if not step.any():
             break
-        places = flat_rest[source] + turns[source] * (flat_current[target] - flat_current[source])
-        share = np.bincount(target[step], minlength=count)
+        places = flat_rest[tail] + turns[tail] * (flat_current[head] - flat_current[tail])
+        share = np.bincount(head[step], minlength=count)
         reached = share > 0
-        flat_rest[reached] = _gathered(places, target, step, count)[reached] / share[reached]
-        turns[reached] = _unit(_gathered(turns[source], target, step, count))[reached]
+        flat_rest[reached] = _gathered(places, head, step, count)[reached] / share[reached]
+        turns[reached] = _unit(_gathered(turns[tail], head, step, count))[reached]
         known |= reached
     flat_rest[~known] = flat_current[~known]
     return np.stack([flat_rest.real, flat_rest.imag], axis=1)
 
 
-def _gathered(values: Complex, target: Indices, chosen: Mask, count: int) -> Complex:
+def _gathered(values: Complex, head: Indices, chosen: Mask, count: int) -> Complex:
     result = np.zeros(count, np.complex128)
-    np.add.at(result, target[chosen], values[chosen])
+    np.add.at(result, head[chosen], values[chosen])
     return result
 
 

@@ -9,10 +9,10 @@ from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Pin
-from .pose_action import RAMP_SAMPLES, PoseAction, Sample
+from .posing import RAMP_SAMPLES, Posing, Sample
 
 
-class PinReset(PoseAction):
+class PinReset(Posing):
     """Takes the moving pins straight to where they hold the rest shape, unturned; the others hold.
 
     The first value of a sample is the share of the way.

@@ -12,7 +12,7 @@ from ..plane.connectivity import Connectivity
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Kind
-from .pose_action import PinResult
+from .posing import PinResult
 
 
 @dataclass(frozen=True)

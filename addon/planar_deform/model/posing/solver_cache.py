@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solvers kept between actions. May be dropped at any moment: everything that lasts is in the .blend."""
+"""Solvers kept between posings. May be dropped at any moment: everything that lasts is in the .blend."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array)
     """A solver for the object with this key, standing at n x 2 `positions`.
 
     A kept one is used only when triangles, rest shape, stiffness and method are the same to the bit. It is
-    always reset, so that an action gives the same bits whether or not the solver was there before.
+    always reset, so that a posing gives the same bits whether or not the solver was there before.
     """
     entry = _entries.get(key)
     if entry is None or entry.method != method or not _same(entry.cutout, cutout):

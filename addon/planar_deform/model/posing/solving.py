@@ -11,7 +11,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 
-from .pose_action import PoseAction, Sample, Solved
+from .posing import Posing, Sample, Solved
 
 # Seconds that the mouse has to rest before the drawing is refined: a refinement under way would keep the next
 # movement of the mouse waiting.
@@ -19,18 +19,18 @@ REST = 0.03
 
 
 class StoppedError(RuntimeError):
-    """Another action has begun meanwhile."""
+    """Another posing has begun meanwhile."""
 
 
 class Solving:
-    """Moves an action to the newest sample asked for, and refines it when there is none.
+    """Moves a posing to the newest sample asked for, and refines it when there is none.
 
-    Samples that are overtaken before their turn are never solved, and are not in the action's path. Between
-    the first `ask` and `halt` the action belongs to the thread.
+    Samples that are overtaken before their turn are never solved, and are not in the posing's path. Between
+    the first `ask` and `halt` the posing belongs to the thread.
     """
 
-    def __init__(self, action: PoseAction):
-        self._action = action
+    def __init__(self, posing: Posing):
+        self._posing = posing
         self._changed = threading.Condition()
         self._route: deque[Sample] = deque()  # to be taken sample by sample, before anything newer
         self._newest: Sample | None = None
@@ -73,7 +73,7 @@ class Solving:
             if self._error is not None:
                 raise self._error
             if self._stopped:
-                raise StoppedError("another action has begun")
+                raise StoppedError("another posing has begun")
             solved, self._solved = self._solved, None
             return solved
 
@@ -110,8 +110,8 @@ class Solving:
             before.end()
         try:
             while (sample := self._next()) is not None:
-                self._action.move(*sample)
-                solved = self._action.solved()
+                self._posing.move(*sample)
+                solved = self._posing.solved()
                 with self._changed:
                     if self._seen is not None and not self._restart:
                         self._seen(solved)
@@ -130,14 +130,14 @@ class Solving:
             while not self._stopped:
                 if self._restart:
                     self._restart = False
-                    self._action.restart()
+                    self._posing.restart()
                 if self._route:
                     return self._route.popleft()
                 if self._newest is not None:
                     sample, self._newest = self._newest, None
                     return sample
-                path = self._action.path
-                if not path or self._action.settled:
+                path = self._posing.path
+                if not path or self._posing.settled:
                     self._idle, self._owing = True, False
                     self._changed.notify_all()
                     self._changed.wait()
@@ -158,7 +158,7 @@ _last: Solving | None = None
 
 
 def interrupt() -> None:
-    """Stop whatever is being solved in a thread: another action begins."""
+    """Stop whatever is being solved in a thread: another posing begins."""
     if _last is not None:
         _last.stop()
 

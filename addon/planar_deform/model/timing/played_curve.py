@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The curve that plays a pose sequence: which poses it visits when, and its values before and after filling.
 
-A value of the curve is a place: places without generated shapes are SPACING apart, and generated ones come in
-between. What the keys' values and handles were before is remembered as offsets from the place of the pose at
-or below the key, so that taking the generated shapes out restores them to the bit.
+A value of the curve is the eval_time of a shape: poses are SPACING apart without generated shapes, which come
+in between. What the keys' values and handles were before is remembered as offsets from the eval_time of the
+pose at or below the key, so that taking the generated shapes out restores them to the bit.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from ..plane.frame import Array, Array32, Indices, Mask
 
 SAME_FRAME = 0.01  # of two keys of a curve, as in Blender
-SAME_PLACE = 0.05  # of two blocks, which are at least twice as far apart
+SAME_EVAL_TIME = 0.05  # of two blocks, which are at least twice as far apart
 
 
 @dataclass(frozen=True)
@@ -31,15 +31,15 @@ class Visit:
     last: float
 
 
-def visits(timeline: Array32, places: Sequence[float]) -> list[Visit]:
-    """The poses at `places` (ascending) that keys (k x 2: frame, value, in order of time) stand at.
+def visits(timeline: Array32, eval_times: Sequence[float]) -> list[Visit]:
+    """The poses at `eval_times` (ascending) that keys (k x 2: frame, value, in order of time) stand at.
 
     Keys of other values are retiming, and no visits.
     """
     found: list[Visit] = []
-    at = np.searchsorted(places, timeline[:, 1] - SAME_PLACE)
+    at = np.searchsorted(eval_times, timeline[:, 1] - SAME_EVAL_TIME)
     for (frame, value), pose in zip(timeline.tolist(), at.tolist(), strict=True):
-        if pose == len(places) or places[pose] > value + SAME_PLACE:
+        if pose == len(eval_times) or eval_times[pose] > value + SAME_EVAL_TIME:
             continue
         if found and found[-1].pose == pose:
             found[-1] = Visit(pose, found[-1].first, frame)
@@ -54,7 +54,7 @@ def whole_frames(first: float, last: float) -> int:
 
 
 def moved(values: Array, old: Array, new: Array) -> Array:
-    """Values carried from places `old` (ascending) to `new`, in proportion; outside of them by the ends'."""
+    """Values carried from `old` eval_times (ascending) to `new`, in proportion; outside by the ends'."""
     outside = np.minimum(values - old[0], 0.0) + np.maximum(values - old[-1], 0.0)
     result: Array = np.interp(values, old, new) + outside
     return result
@@ -74,19 +74,21 @@ class Offsets:
     """The keys of a curve relative to the poses, without generated shapes in between."""
 
     pose: Indices  # k: the pose at or below the key
-    values: Array  # k x 3: of the key and its two handles, from the place of that pose
+    values: Array  # k x 3: of the key and its two handles, from the eval_time of that pose
     sides: Array32  # k x 2 float32: the frames of the handles
     exact: Mask  # k x 3 bool: which are to the bit what they were
 
 
 def offsets(rows: Rows, shown: Array, plain: Array, remembered: str) -> Offsets:
-    """Where keys are, of poses that are shown at places `shown` and would be at `plain`.
+    """Where keys are, of poses that are shown at eval_times `shown` and would be at `plain`.
 
-    `remembered` is what remember() told when the places were made what they are; values that have not
+    `remembered` is what remember() told when the eval_times were made what they are; values that have not
     changed since are what they were then.
     """
     values = np.stack([rows.keys[:, 1], rows.left[:, 1], rows.right[:, 1]], axis=1).astype(np.float64)
-    pose = np.maximum(np.searchsorted(shown, values[:, 0] + SAME_PLACE, side="right") - 1, 0).astype(np.int32)
+    pose = np.maximum(np.searchsorted(shown, values[:, 0] + SAME_EVAL_TIME, side="right") - 1, 0).astype(
+        np.int32
+    )
     result = moved(values, shown, plain) - plain[pose, None]
     sides = np.stack([rows.left[:, 0], rows.right[:, 0]], axis=1)
     exact = np.zeros(values.shape, bool)

@@ -10,7 +10,7 @@ import bpy
 from ...errors import Refusal
 from ...model.input.drag import Drag, Mode, Point
 from ...scene.view.mouse import ray
-from .pose_drag import SceneAction
+from .object_posing import ObjectPosing
 
 EDGE_ON = "The drawing is seen edge-on here: turn the view first"
 SNAP_PIXELS = 5.0  # at a UI scale of 1, the least that a snapping step is wide
@@ -24,12 +24,12 @@ class PlaneMouse:
 
     def __init__(
         self,
-        action: SceneAction,
+        posing: ObjectPosing,
         region: bpy.types.Region,
         view: bpy.types.RegionView3D,
         event: bpy.types.Event,
     ):
-        self._action = action
+        self._posing = posing
         self._seen_by = _matrix(view)
         self._start = self._point(region, view, event)
         beside = self._point(region, view, event, SNAP_PIXELS * bpy.context.preferences.system.ui_scale)
@@ -41,8 +41,8 @@ class PlaneMouse:
         """A drag that counts from where the mouse began. Raises Refusal."""
         if self._start is None:
             raise Refusal(EDGE_ON)
-        x, y = self._action.pose.pivot.tolist()
-        return Drag.begin(mode, self._action.scene.frame.letters, (x, y), self._start, self._step)
+        x, y = self._posing.model.pivot.tolist()
+        return Drag.begin(mode, self._posing.drawing.frame.letters, (x, y), self._start, self._step)
 
     def moved(
         self,
@@ -70,7 +70,7 @@ class PlaneMouse:
     ) -> Point | None:
         """Where the mouse is in the plane of the pins, or pixels beside it; None where that is edge-on."""
         mouse = (event.mouse_x - region.x + aside, event.mouse_y - region.y)
-        point = self._action.scene.plane_from_ray(*ray(region, view, mouse), self._action.part())
+        point = self._posing.drawing.plane_from_ray(*ray(region, view, mouse), self._posing.part())
         return None if point is None else (float(point[0]), float(point[1]))
 
 

@@ -15,11 +15,11 @@ import bpy
 
 from ... import native
 from ...errors import ObjectGone, Refusal
-from ...model.posing.pose_action import Sample, Solved
+from ...model.posing.posing import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
 from ...scene.view import snapshot
 from . import running
-from .pose_drag import SceneAction
+from .object_posing import ObjectPosing
 
 RATE = 1 / 120  # seconds between two looks at what the thread has solved
 # Seconds that an event may wait for the last sample: mostly it is solved by then, and the window goes on.
@@ -31,11 +31,11 @@ MODIFIERS = {f"{side}_{key}" for side in ("LEFT", "RIGHT") for key in ("SHIFT", 
 
 
 class Session:
-    """An action under way in a window, and all that shows there that it is."""
+    """A posing under way in a window, and all that shows there that it is."""
 
-    def __init__(self, context: bpy.types.Context, action: SceneAction, keys: str):
+    def __init__(self, context: bpy.types.Context, posing: ObjectPosing, keys: str):
         """`keys` says in the status bar what the user can press."""
-        self.action = action
+        self.posing = posing
         self.shown: Solved | None = None
         self.released = False
         self.ended = False
@@ -63,7 +63,7 @@ class Session:
             self._solving.hurry()
         self.show()
         if self.shown is not None:
-            self.action.keep(self.shown)
+            self.posing.keep(self.shown)
 
     def show(self, *, again: bool = False) -> None:
         """Show the newest there is; `again`, even what has been shown.
@@ -74,7 +74,7 @@ class Session:
         if again:
             solved = solved or self.shown
         if solved is not None:
-            self.action.show(solved)
+            self.posing.show(solved)
             self.shown = solved
 
     @property
@@ -111,7 +111,7 @@ class Session:
         """End it with everything as it was."""
         self.end()
         with contextlib.suppress(ObjectGone):  # then there is nothing to put back
-            self.action.cancel()
+            self.posing.cancel()
 
     def give_way(self) -> None:
         """See running.Run."""
@@ -120,7 +120,7 @@ class Session:
             return
         self.end()
         with contextlib.suppress(ObjectGone, Refusal):  # that of keying it: it is shown all the same
-            self.action.finish(self.shown)
+            self.posing.finish(self.shown)
 
     def let_go(self) -> None:
         """See running.Run."""
@@ -129,7 +129,7 @@ class Session:
     @property
     def _thread(self) -> Solving:
         if self._solving is None:
-            self._solving = Solving(self.action.pose)
+            self._solving = Solving(self.posing.model)
         return self._solving
 
 
@@ -191,7 +191,7 @@ class Interactive:
         """What an event does, and what is to be expected to go wrong then."""
         session = self._session
         try:
-            if not session.action.scene.resolve().visible_get():
+            if not session.posing.drawing.resolve().visible_get():
                 return self.stop()
             session.show()
             if not session.released:
@@ -234,7 +234,7 @@ class Interactive:
         """End it with what is shown."""
         session = self._session
         assert session.shown is not None  # something has been asked for, and was waited for
-        session.action.finish(session.shown)
+        session.posing.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
         return {"FINISHED"}

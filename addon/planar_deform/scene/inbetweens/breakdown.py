@@ -10,7 +10,7 @@ from ...model.input.breakdown import nearest_share
 from ...model.plane.frame import Array
 from ...model.posing.pins import Holder
 from ..objects.any_object import begin_shape
-from ..objects.cutout_object import SceneCutout
+from ..objects.cutout_object import CutoutObject
 from ..pins import pin_list
 from ..sequence import pose_state
 from ..sequence.neighbours import KeyedPose, around
@@ -35,7 +35,7 @@ class Way:
 
     def __init__(self, context: bpy.types.Context):
         """Of the active object. Raises Refusal and native.SolveError, with nothing changed."""
-        self.scene = begin_shape(context, unkeyed=True)
+        self.drawing = begin_shape(context, unkeyed=True)
         obj = context.object
         self.frame = context.scene.frame_current_final
         reason = refusal(obj, self.frame)
@@ -46,20 +46,22 @@ class Way:
         assert behind is not None
         self._take_way(obj, before, behind)
         self._holders: list[Holder] = []
-        if isinstance(self.scene, SceneCutout):
-            self._holders = [Holder(pin, self.scene.cutout) for pin in pin_list.model_pins(obj, self.scene)]
+        if isinstance(self.drawing, CutoutObject):
+            self._holders = [
+                Holder(pin, self.drawing.cutout) for pin in pin_list.model_pins(obj, self.drawing)
+            ]
         self.start = self._share_shown(obj, before, behind)
 
     def show(self, share: float) -> None:
         """Show the shape at a share of the way, 0 to 1, or beyond the poses. Raises ObjectGone."""
         positions = self._at(share)
-        self.scene.show(self._plan.coordinates(self._first, share, positions))
-        if isinstance(self.scene, SceneCutout) and self._holders:
-            snapshot.follow(self.scene, positions, pin_list.carried(self._holders, positions))
+        self.drawing.show(self._plan.coordinates(self._first, share, positions))
+        if isinstance(self.drawing, CutoutObject) and self._holders:
+            snapshot.follow(self.drawing, positions, pin_list.carried(self._holders, positions))
 
     def restore(self) -> None:
         """Put everything back as it was, to the bit. Raises ObjectGone."""
-        self.scene.restore()
+        self.drawing.restore()
 
     def _take_way(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> None:
         poses, times = [before.pose, behind.pose], [0.0, behind.frame - before.frame]
@@ -69,7 +71,7 @@ class Way:
                 poses, times, self._first = [further[0], *poses], [-further[1], *times], 1
             if (further := _further(obj, behind, 1)) is not None:
                 poses, times = [*poses, further[0]], [*times, times[-1] + further[1]]
-        self._plan = planning.way(self.scene, poses, times)
+        self._plan = planning.way(self.drawing, poses, times)
         self._within = self._beyond = self._plan.motion()
         if len(poses) > 2:
             self._beyond = self._plan.motion(self._first, self._first + 1)
@@ -86,7 +88,7 @@ class Way:
         if pose_state.pose_at(obj, self.frame) is None and not pose_state.unkeyed(obj):
             share = (obj.data.shape_keys.eval_time - before.at) / (behind.at - before.at)
             return float(min(max(share, 0.0), 1.0))
-        return nearest_share(self._at, self.scene.positions)
+        return nearest_share(self._at, self.drawing.positions)
 
 
 def _further(obj: bpy.types.Object, pose: KeyedPose, side: int) -> tuple[int, float] | None:

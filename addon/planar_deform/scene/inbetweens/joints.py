@@ -78,11 +78,11 @@ def _tightest(shapes: Shapes, one: Indices, other: Indices, limit: float) -> tup
     if not len(other):
         return None
     rest = shapes[0]
-    places = KDTree(len(one))
+    tree = KDTree(len(one))
     for index, (x, y) in zip(one.tolist(), rest[one].tolist(), strict=True):
-        places.insert((x, y, 0.0), index)
-    places.balance()
-    nearest = np.array([places.find((x, y, 0.0))[1] for x, y in rest[other].tolist()])
+        tree.insert((x, y, 0.0), index)
+    tree.balance()
+    nearest = np.array([tree.find((x, y, 0.0))[1] for x, y in rest[other].tolist()])
     apart = np.max([np.hypot(*(shape[other] - shape[nearest]).T) for shape in shapes], axis=0)
     best = int(apart.argmin())
     return (float(apart[best]), int(nearest[best]), int(other[best])) if apart[best] <= limit else None

@@ -13,7 +13,7 @@ from ... import native
 from ...model.plane.frame import Array, Array32, Indices
 from ...model.timing.order_of_time import Entry
 from ...model.work import Progress
-from ..objects.any_object import SceneShape
+from ..objects.any_object import AnyObject
 from . import joints
 
 PLANTED = 1e-3  # of the diagonal: a pin that has moved less between two poses stands still
@@ -24,13 +24,13 @@ _SAMPLED = 0.1  # of the share of the work: sampling, after solving
 class Plan:
     """What is to be generated: plain data, so that it can be solved in a thread."""
 
-    scene: SceneShape
+    drawing: AnyObject
     shapes: list[Array32]  # of the poses in the order of time, as stored
     keys: list[Array]  # the same n x 2
     rest: Array  # n x 2
     elements: native.Elements
     times: list[float]  # of the keys: frames, without those over which a pose is held
-    samples: list[int]  # of each transition k -> k + 1: how many to generate
+    counts: list[int]  # of each transition k -> k + 1: how many to generate
     turns: list[int]
     held: list[Indices]  # vertices of each pin in each part
     path: str  # "STRAIGHT" | "ARC"
@@ -52,7 +52,7 @@ class Plan:
             keys=[self.keys[key] for key in chosen],
             times=[self.times[key] for key in chosen],
             turns=turns,
-            samples=[0] * len(turns),
+            counts=[0] * len(turns),
         )
 
     def motion(
@@ -85,7 +85,7 @@ class Plan:
 
             motion = self.motion(first, last, solved)
             for transition in range(first, last):
-                if self.samples[transition]:
+                if self.counts[transition]:
                     found += list(motion.at(self._sample_times(transition)))
                 share = (transition + 1 - first) / (last - first)
                 if progress is not None and not progress((number + share) / len(runs)):
@@ -100,7 +100,7 @@ class Plan:
         """
         before, after = self.shapes[transition], self.shapes[transition + 1]
         blended = before * np.float32(1.0 - share) + after * np.float32(share)
-        return self.scene.moved(blended, positions)
+        return self.drawing.moved(blended, positions)
 
     def _holds(self, transition: int) -> tuple[Indices | None, Indices]:
         """The vertices whose mean moves on the path, and the joints of the parts, in a transition.
@@ -109,15 +109,15 @@ class Plan:
         """
         before, after = self.keys[transition : transition + 2]
         gaps = [np.linalg.norm(before[rows].mean(axis=0) - after[rows].mean(axis=0)) for rows in self.held]
-        near = PLANTED * self.scene.diagonal
+        near = PLANTED * self.drawing.diagonal
         planted = [rows for rows, gap in zip(self.held, gaps, strict=True) if gap <= near]
-        parts = {int(self.scene.parts[rows[0]]) for rows in planted}
-        chosen = planted + [rows for rows in self.held if int(self.scene.parts[rows[0]]) not in parts]
+        parts = {int(self.drawing.parts[rows[0]]) for rows in planted}
+        chosen = planted + [rows for rows in self.held if int(self.drawing.parts[rows[0]]) not in parts]
         anchor = np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None
-        return anchor, joints.find(self.rest, before, after, self.scene.parts, parts)
+        return anchor, joints.find(self.rest, before, after, self.drawing.parts, parts)
 
     def _sample_times(self, transition: int) -> Array:
-        count = self.samples[transition]
+        count = self.counts[transition]
         before, after = self.times[transition : transition + 2]
         return np.asarray(before + (after - before) * np.arange(1, count + 1) / (count + 1))
 
@@ -125,10 +125,10 @@ class Plan:
         """First and last keys of transitions in a row that are to be solved, with what decides on them."""
         around = 1 if self.smooth else 0
         runs: list[tuple[int, int]] = []
-        for transition, count in enumerate(self.samples):
+        for transition, count in enumerate(self.counts):
             if count:
                 first = max(0, transition - around)
-                last = min(len(self.samples), transition + 1 + around)
+                last = min(len(self.counts), transition + 1 + around)
                 if runs and first <= runs[-1][1]:
                     first = runs.pop()[0]
                 runs.append((first, last))

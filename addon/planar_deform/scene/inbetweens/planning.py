@@ -22,8 +22,8 @@ from ...errors import Refusal
 from ...model.plane.frame import Array32, Indices
 from ...model.timing.order_of_time import Entry, frames_between
 from ...model.timing.played_curve import SAME_FRAME
-from ..objects.any_object import SceneShape, shape_refusal
-from ..objects.cutout_object import SceneCutout
+from ..objects.any_object import AnyObject, shape_refusal
+from ..objects.cutout_object import CutoutObject
 from ..pins import pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
@@ -47,7 +47,7 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
 
 
 def plan(
-    scene: SceneShape,
+    drawing: AnyObject,
     *,
     poses: Sequence[int] | None = None,
     path: str | None = None,
@@ -60,13 +60,13 @@ def plan(
     Stretches that have been edited since they were generated are left as they are, while their poses are the
     same. Raises Refusal; changes nothing.
     """
-    obj = scene.resolve()
+    obj = drawing.resolve()
     reason = refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     changes.tell(obj)  # of what a script has done Blender tells later
     found = stretches(obj)
-    dropped = set() if poses is None else _places(obj, set(range(len(obj.planar.poses))) - set(poses))
+    dropped = set() if poses is None else _eval_times(obj, set(range(len(obj.planar.poses))) - set(poses))
     found = [stretch for stretch in found if stretch.start.source not in dropped]
     starts = [stretch.start.stands_at for stretch in found]
     entries = entries_of(obj, starts)
@@ -79,13 +79,13 @@ def plan(
     made_of, shapes, turns = [], [], []
     for entry in entries_played:
         pose = listed.get(starts[entry.block])
-        place = starts[entry.block]
+        eval_time = starts[entry.block]
         if pose is not None and (original := stamps.original(pose)) is not None:
-            place = original.at
-        made_of.append(stamps.digest(place))
-        shapes.append(read_block(obj, block_at(obj.data.shape_keys, place)))
+            eval_time = original.at
+        made_of.append(stamps.digest(eval_time))
+        shapes.append(read_block(obj, block_at(obj.data.shape_keys, eval_time)))
         turns.append(0 if pose is None or entry.copy else pose.turns)
-    result = _plan_of(scene, obj, shapes, turns[:-1])
+    result = _plan_of(drawing, obj, shapes, turns[:-1])
     if path is not None:
         result.path = path
     if smooth is not None:
@@ -101,51 +101,51 @@ def plan(
         elif _stays(stamps, found[before.block], before, after, made_of, transition, result):
             result.kept.add(transition)
             count = 0
-        result.samples.append(count)
-    if not any(result.samples) and not result.kept:
+        result.counts.append(count)
+    if not any(result.counts) and not result.kept:
         raise Refusal("There are no frames to fill between the poses: move their keys apart")
-    kept = sum(len(found[entries_played[transition].block].samples) for transition in result.kept)
-    generated = sum(result.samples) + kept
+    kept = sum(len(found[entries_played[transition].block].inbetweens) for transition in result.kept)
+    generated = sum(result.counts) + kept
     if FIRST + SPACING * (len(entries) + generated) >= HOLD:
         raise Refusal(f"{generated} in-betweens are too many for one object: cut the shot into pieces")
     return result
 
 
-def way(scene: SceneShape, poses: Sequence[int], times: Sequence[float]) -> Plan:
+def way(drawing: AnyObject, poses: Sequence[int], times: Sequence[float]) -> Plan:
     """The way through some poses (indices) at these times; for motion() and coordinates(). Raises Refusal."""
-    obj = scene.resolve()
+    obj = drawing.resolve()
     chosen = [obj.planar.poses[pose] for pose in poses]
     shapes = [read_block(obj, pose_state.block_of(obj, pose)) for pose in poses]
-    result = _plan_of(scene, obj, shapes, [pose.turns for pose in chosen[:-1]])
+    result = _plan_of(drawing, obj, shapes, [pose.turns for pose in chosen[:-1]])
     result.times = list(times)
     return result
 
 
-def _plan_of(scene: SceneShape, obj: bpy.types.Object, shapes: list[Array32], turns: list[int]) -> Plan:
-    """A plan for these poses, without times and samples."""
+def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], turns: list[int]) -> Plan:
+    """A plan for these poses, without times and counts."""
     return Plan(
-        scene=scene,
+        drawing=drawing,
         shapes=shapes,
-        keys=[scene.flattened(shape) for shape in shapes],
-        rest=scene.rest,
-        elements=scene.elements,
+        keys=[drawing.flattened(shape) for shape in shapes],
+        rest=drawing.rest,
+        elements=drawing.elements,
         times=[],
-        samples=[],
+        counts=[],
         turns=turns,
-        held=_held(scene, obj),
+        held=_held(drawing, obj),
         path=obj.planar.anchor_path,
         smooth=obj.planar.smooth,
     )
 
 
-def _held(scene: SceneShape, obj: bpy.types.Object) -> list[Indices]:
+def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[Indices]:
     """The vertices of each enabled pin in each part."""
-    pins = pin_list.model_pins(obj, scene) if isinstance(scene, SceneCutout) else []
+    pins = pin_list.model_pins(obj, drawing) if isinstance(drawing, CutoutObject) else []
     return [
-        pin.vertices[scene.parts[pin.vertices] == part]
+        pin.vertices[drawing.parts[pin.vertices] == part]
         for pin in pins
         if pin.enabled
-        for part in np.unique(scene.parts[pin.vertices])
+        for part in np.unique(drawing.parts[pin.vertices])
     ]
 
 
@@ -171,7 +171,7 @@ def _stays(
     record = stretch.start.pose
     if (
         record is None
-        or not (record["edited"] and stretch.samples)
+        or not (record["edited"] and stretch.inbetweens)
         or before.copy
         or after.block != before.block + 1
     ):
@@ -179,5 +179,5 @@ def _stays(
     return bool(record["stamp"] == stamps.of(made_of, transition, record["turns"], plan.path, plan.smooth))
 
 
-def _places(obj: bpy.types.Object, poses: set[int]) -> set[float]:
+def _eval_times(obj: bpy.types.Object, poses: set[int]) -> set[float]:
     return {pose.at for index, pose in enumerate(obj.planar.poses) if index in poses}

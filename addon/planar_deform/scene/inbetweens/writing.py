@@ -12,23 +12,23 @@ import numpy as np
 
 from ...errors import ObjectGone, Refusal
 from ...model.plane.frame import Array
-from ...model.timing.played_curve import SAME_PLACE, Offsets, moved, offsets, remember
-from ..objects.any_object import SceneShape
+from ...model.timing.played_curve import SAME_EVAL_TIME, Offsets, moved, offsets, remember
+from ..objects.any_object import AnyObject
 from ..sequence import playback, pose_curve, pose_showing, pose_state
-from ..sequence.playback import Block, sample_name
+from ..sequence.playback import Block, inbetween_name
 from ..sequence.pose_blocks import FIRST, SPACING, keyed, own_curve
 from ..sequence.stretches import Stamps, Stretch, stretches
 from ..storage import changes, digests
 from .plan import Plan
 
 
-def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Generator[float, None, None]:
+def write(drawing: AnyObject, plan: Plan, shapes: Sequence[Array]) -> Generator[float, None, None]:
     """Put in what plan.solve() gave, in place of what was generated before; yields the share that is done.
 
     Closed before its end, or where anything fails, everything is back to the bit. Raises ObjectGone where the
     poses are not those of the plan any more, Refusal beyond what Blender can store.
     """
-    obj = scene.resolve()
+    obj = drawing.resolve()
     found = [stretch for stretch in stretches(obj) if stretch.start.source not in plan.dropped]
     if [stretch.start.source for stretch in found] != plan.starts:
         raise ObjectGone(f"The poses of '{obj.name}' have changed meanwhile")
@@ -38,10 +38,10 @@ def write(scene: SceneShape, plan: Plan, shapes: Sequence[Array]) -> Generator[f
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         obj.planar.anchor_path, obj.planar.smooth = plan.path, plan.smooth
         _drop_keys(obj, plan.dropped)
-        _expand(obj, plan, playback.places_of(blocks)[starts])
+        _expand(obj, plan, playback.eval_times_of(blocks)[starts])
 
     yield from playback.relay(obj, blocks, then)
-    pose_showing.show(scene.resolve(), was_unkeyed)
+    pose_showing.show(drawing.resolve(), was_unkeyed)
 
 
 def remove(obj: bpy.types.Object) -> None:
@@ -54,7 +54,7 @@ def remove(obj: bpy.types.Object) -> None:
         raise Refusal(reason)
     changes.tell(obj)  # of what a script has done Blender tells later
     found = stretches(obj)
-    folded = _folded(obj, found)  # places of repeated poses, and where the poses are that they repeat
+    folded = _folded(obj, found)  # eval_times of repeated poses, and where the poses are that they repeat
     order = _order_before([stretch for stretch in found if stretch.start.source not in folded])
     shown = np.array([stretch.start.source for stretch in found])
     plain = FIRST + SPACING * np.arange(len(found))
@@ -65,8 +65,11 @@ def remove(obj: bpy.types.Object) -> None:
         block.free = 0
         if block.pose is not None:
             block.pose |= {"stamp": "", "edited": False, "order_before": 0}
-    at = {block.source: place for block, place in zip(blocks, playback.places_of(blocks), strict=True)}
-    final = np.array([at[folded.get(place, place)] for place in shown.tolist()])
+    at = {
+        block.source: eval_time
+        for block, eval_time in zip(blocks, playback.eval_times_of(blocks), strict=True)
+    }
+    final = np.array([at[folded.get(eval_time, eval_time)] for eval_time in shown.tolist()])
     active = settings.poses[settings.active_pose].at if settings.active_pose < len(settings.poses) else None
     was_unkeyed = pose_state.unkeyed(obj)
 
@@ -113,19 +116,19 @@ def _blocks(
         if start.pose is None:
             continue
         if transition in plan.kept:
-            blocks += stretch.samples
+            blocks += stretch.inbetweens
             continue
-        count = plan.samples[transition] if 0 <= transition < len(plan.samples) else 0
+        count = plan.counts[transition] if 0 <= transition < len(plan.counts) else 0
         stamp = ""
         if count:
             stamp = stamps.of(made_of, transition, plan.turns[transition], plan.path, plan.smooth)
         start.pose |= {"edited": False, "stamp": stamp}
-        before = [] if entry.copy or len(stretch.samples) != count else stretch.samples
-        for sample in range(count):
-            share = (sample + 1) / (count + 1)
+        before = [] if entry.copy or len(stretch.inbetweens) != count else stretch.inbetweens
+        for number in range(count):
+            share = (number + 1) / (count + 1)
             shape = partial(plan.coordinates, transition, share, next(waiting))
-            source = before[sample].source if before else None
-            blocks.append(Block(sample_name(start.name, sample + 1), shape, source, sample=True))
+            source = before[number].source if before else None
+            blocks.append(Block(inbetween_name(start.name, number + 1), shape, source, inbetween=True))
     return blocks, starts
 
 
@@ -140,7 +143,7 @@ def _drop_keys(obj: bpy.types.Object, dropped: Sequence[float]) -> None:
     keys = obj.data.shape_keys
     values = keyed(keys)[:, 1]
     at = np.array(dropped).reshape(1, -1)
-    pose_curve.remove_keys(keys, (np.abs(values[:, None] - at) < SAME_PLACE).any(axis=1))
+    pose_curve.remove_keys(keys, (np.abs(values[:, None] - at) < SAME_EVAL_TIME).any(axis=1))
 
 
 def _expand(obj: bpy.types.Object, plan: Plan, shown: Array) -> None:
@@ -168,13 +171,13 @@ def _entry_at(plan: Plan, found: Sequence[int], frame: float) -> int:
 
 
 def _folded(obj: bpy.types.Object, found: list[Stretch]) -> dict[float, float]:
-    """Places of poses that repeat others still, and of those."""
+    """eval_times of poses that repeat others still, and of those."""
     stamps = Stamps(obj)
     there = {stretch.start.source for stretch in found}
     originals = {pose.at: stamps.original(pose) for pose in obj.planar.poses if pose.at in there}
     return {
-        place: original.at
-        for place, original in originals.items()
+        eval_time: original.at
+        for eval_time, original in originals.items()
         if original is not None and originals.get(original.at) is None
     }
 

@@ -109,7 +109,7 @@ def to_point_cache(
     find = playback.finder(obj)
     with point_cache.written(path, points.count(obj), frames) as file:
         for share, shape in _shown(find, frames):
-            file.write(point_cache.sample(shape))
+            file.write(point_cache.packed(shape))
             yield share
     obj = find()
     point_cache.play(obj, path, frames)

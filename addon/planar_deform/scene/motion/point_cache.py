@@ -105,7 +105,7 @@ def written(path: Path, count: int, frames: range) -> Iterator[BinaryIO]:
             partial.unlink(missing_ok=True)
 
 
-def sample(shape: Array32) -> bytes:
+def packed(shape: Array32) -> bytes:
     """A shape, count x 3 coordinates, as the file has it."""
     return np.ascontiguousarray(shape[:, :3], "<f4").tobytes()
 

@@ -41,18 +41,18 @@ class SequenceEdit:
         reason = pose_state.refusal(obj) or edit_refusal(context)
         if reason is not None:
             raise Refusal(reason)
-        self._scene = begin_shape(context)
+        self._drawing = begin_shape(context)
         keys = obj.data.shape_keys
         blocks = played(keys)
         at = np.round([block.frame for block in blocks]).tolist()
         listed = {round(pose.at): pose.name for pose in obj.planar.poses}
-        kept = {index for index, place in enumerate(at) if keep_poses and place in listed}
+        kept = {index for index, eval_time in enumerate(at) if keep_poses and eval_time in listed}
         curve = shown_curve(keys)
         assert curve is not None  # or there is a reason
-        place = float(np.clip(curve.evaluate(frame), at[0], at[-1]))
-        high = int(np.searchsorted(at, place))
-        low = high if at[high] == place else high - 1
-        share = 0.0 if low == high else float(share_of(at[low], at[high], place))
+        eval_time = float(np.clip(curve.evaluate(frame), at[0], at[-1]))
+        high = int(np.searchsorted(at, eval_time))
+        low = high if at[high] == eval_time else high - 1
+        share = 0.0 if low == high else float(share_of(at[low], at[high], eval_time))
         shares = {low: 1.0 - share, high: share} if low < high else {low: 1.0}
         free = [index for index in shares if index not in kept]
         if kept and sum(shares[index] for index in free) < LEAST_SHARE:
@@ -70,24 +70,24 @@ class SequenceEdit:
         self._shapes = [points.read_block(obj, block) for block in blocks[first : last + 1]]
         self._kept = {index - first for index in kept if first <= index <= last}
         self._shares = {index - first: value for index, value in shares.items()}
-        # The places of the poses behind which there are shapes that change.
-        self._stretches = {place for place in at[first : last + (not kept)] if place in listed}
+        # The eval_times of the poses behind which there are shapes that change.
+        self._stretches = {eval_time for eval_time in at[first : last + (not kept)] if eval_time in listed}
 
     def solve(self, progress: Progress) -> dict[int, Array32]:
         """The changed shapes, see storage/points.py, by their number; for a thread."""
-        scene = self._scene
-        frames = [scene.flattened(shape) for shape in self._shapes]
+        drawing = self._drawing
+        frames = [drawing.flattened(shape) for shape in self._shapes]
         edits = self._edits(frames) | {index: frames[index] for index in self._kept}
-        edited = native.edit_sequence(frames, edits, **scene.elements)
+        edited = native.edit_sequence(frames, edits, **drawing.elements)
         return {
-            index: scene.moved(shape, edited[index])
+            index: drawing.moved(shape, edited[index])
             for index, shape in enumerate(self._shapes)
             if index not in self._kept
         }
 
     def _edits(self, frames: list[Array]) -> dict[int, Array]:
         """What the shapes that make up the frame have to become for it to show the change."""
-        wanted = self._scene.positions
+        wanted = self._drawing.positions
         if len(self._shares) == 1:
             return dict.fromkeys(self._shares, wanted)
         low, high = self._shares
@@ -97,7 +97,9 @@ class SequenceEdit:
         # Both take on the same change of each edge, and one linear system puts them together from edges: so
         # their blend is what is wanted, not only nearly so.
         blend = self._shares[low] * frames[low] + self._shares[high] * frames[high]
-        three = native.edit_sequence([frames[low], blend, frames[high]], {1: wanted}, **self._scene.elements)
+        three = native.edit_sequence(
+            [frames[low], blend, frames[high]], {1: wanted}, **self._drawing.elements
+        )
         return {low: three[0], high: three[2]}
 
     def write(self, shapes: dict[int, Array32]) -> Generator[float, None, None]:
@@ -112,14 +114,14 @@ class SequenceEdit:
             for index in written:
                 self._put(index, self._shapes[index])
             raise
-        obj = self._scene.resolve()
+        obj = self._drawing.resolve()
         poses = [index for index, pose in enumerate(obj.planar.poses) if round(pose.at) in self._stretches]
         stretches.mark(obj, poses, edited=True)
         pose_showing.drop_scratch(obj)
         pose_showing.show_frame(obj)
 
     def _put(self, index: int, shape: Array32) -> None:
-        obj = self._scene.resolve()
+        obj = self._drawing.resolve()
         block = obj.data.shape_keys.key_blocks.get(self._names[index])
         if block is None:
             raise ObjectGone(f"Shape key '{self._names[index]}' is gone")

@@ -11,7 +11,7 @@ import numpy as np
 from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array
-from ...model.timing.played_curve import SAME_PLACE
+from ...model.timing.played_curve import SAME_EVAL_TIME
 from ...model.timing.thinning import Thinned, thin
 from ...model.work import Progress, Work
 from ..inbetweens import planning, writing
@@ -36,10 +36,10 @@ class Thinning:
         reason = pose_state.refusal(obj) or planning.refusal(obj) or thin_refusal(context)
         if reason is not None:
             raise Refusal(reason)
-        self._scene = begin_shape(context, unkeyed=True)  # the pose that is shown may go
+        self._drawing = begin_shape(context, unkeyed=True)  # the pose that is shown may go
         self._tolerance = tolerance
         self._times, self._fixed = _timing(obj)
-        self._way = planning.way(self._scene, range(len(self._times)), self._times.tolist())
+        self._way = planning.way(self._drawing, range(len(self._times)), self._times.tolist())
 
     def solve(self, progress: Progress) -> Thinned:
         """Which poses stay; for a thread."""
@@ -56,28 +56,28 @@ class Thinning:
             if not progress(share):
                 raise native.Cancelled
 
-        tolerance = self._tolerance * self._scene.diagonal
+        tolerance = self._tolerance * self._drawing.diagonal
         return thin(self._way.keys, self._fixed, between, tolerance, told, reach=reach)
 
     def write(self, thinned: Thinned) -> Generator[float, None, None]:
         """Put in-betweens in place of the poses that go; the share done. Closed before its end: as it was."""
         if len(thinned.kept) == len(self._times):
             raise Refusal(f"All {len(self._times)} poses are needed for this tolerance: allow more")
-        plan = planning.plan(self._scene, poses=thinned.kept)
+        plan = planning.plan(self._drawing, poses=thinned.kept)
         work = Work(plan.solve)
         try:
             while not work.wait(LOOK):
                 yield 0.5 * work.share
         finally:
             work.stop()
-        for share in writing.write(self._scene, plan, work.result()):
+        for share in writing.write(self._drawing, plan, work.result()):
             yield 0.5 + 0.5 * share
 
     def summary(self, thinned: Thinned) -> str:
         """What to tell the user of it."""
         return (
             f"{len(self._times)} poses → {len(thinned.kept)}, furthest "
-            f"{thinned.furthest / self._scene.diagonal:.2%} of the size"
+            f"{thinned.furthest / self._drawing.diagonal:.2%} of the size"
         )
 
 
@@ -93,7 +93,7 @@ def _timing(obj: bpy.types.Object) -> tuple[Array, set[int]]:
     assert curve is not None  # two keys at least are on it
     even = [point.interpolation == "LINEAR" for point in curve.keyframe_points]
     at = np.array([pose.at for pose in obj.planar.poses])
-    shown = np.abs(timeline[:, 1, None] - at) < SAME_PLACE
+    shown = np.abs(timeline[:, 1, None] - at) < SAME_EVAL_TIME
     pose_of = np.where(shown.any(axis=1), shown.argmax(axis=1), -1)  # of each key
     steps, fixed = np.ones(len(at)), set()  # from the pose before
     for pose in range(len(at)):

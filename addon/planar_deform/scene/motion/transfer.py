@@ -13,7 +13,7 @@ from ... import compat, native
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.work import Progress
-from ..objects.any_object import SceneShape, begin_shape, read_shape
+from ..objects.any_object import AnyObject, begin_shape, read_shape
 from ..objects.connectivity import shape_connectivity
 from ..sequence import playback, pose_curve, pose_edit, pose_showing, pose_state, stretches
 from ..sequence.pose_blocks import played
@@ -41,16 +41,16 @@ class Transfer:
             raise Refusal(reason)
         self._source = begin_shape(context)
         self._connectivity = shape_connectivity(self._source)
-        self._targets = [self._read(obj) for obj in context.selected_objects if obj != source]
+        self._receivers = [self._read(obj) for obj in context.selected_objects if obj != source]
         self._blocks = playback.blocks_of(source)
         self._shapes = [read_block(source, block) for block in played(source.data.shape_keys)]
         self._stale = {pose for pose, _ in stretches.stale(source)}
-        places = np.array([block.stands_at for block in self._blocks])
-        self._places = places, playback.places_of(self._blocks)
+        eval_times = np.array([block.stands_at for block in self._blocks])
+        self._eval_times = eval_times, playback.eval_times_of(self._blocks)
 
-    def _read(self, obj: bpy.types.Object) -> SceneShape:
+    def _read(self, obj: bpy.types.Object) -> AnyObject:
         try:
-            target = read_shape(obj)
+            receiver = read_shape(obj)
         except Refusal as refusal:
             about = "" if f"'{obj.name}'" in str(refusal) else f"'{obj.name}': "
             raise Refusal(about + str(refusal)) from refusal
@@ -59,37 +59,37 @@ class Transfer:
         reason = pose_state.refusal(obj)
         if reason is not None:
             raise Refusal(f"'{obj.name}': {reason}")
-        differs = shape_connectivity(target).difference(self._connectivity)
+        differs = shape_connectivity(receiver).difference(self._connectivity)
         if differs is not None:
             raise Refusal(f"'{obj.name}' is built differently from '{self._source.object_name}': {differs}")
-        return target
+        return receiver
 
     def solve(self, progress: Progress) -> list[list[Array32]]:
-        """The shapes of each target, see storage/points.py, in the order of the blocks; for a thread."""
+        """The shapes of each receiver, see storage/points.py, in the order of the blocks; for a thread."""
         source = self._source
         frames = [source.flattened(shape) for shape in self._shapes]
         starts = range(0, len(frames), CHUNK)
         result = []
-        for count, target in enumerate(self._targets):
+        for count, receiver in enumerate(self._receivers):
             shapes: list[Array32] = []
-            side = _side(source, target)
+            side = _side(source, receiver)
             for start in starts:
-                if not progress((count + start / len(frames)) / len(self._targets)):
+                if not progress((count + start / len(frames)) / len(self._receivers)):
                     raise native.Cancelled
                 chunk = [source.rest, *frames[start : start + CHUNK]]
-                moved = native.transfer_motion(chunk, target.rest * side, **source.elements)
-                shapes += [target.coordinates(positions * side) for positions in moved[1:]]
+                moved = native.transfer_motion(chunk, receiver.rest * side, **source.elements)
+                shapes += [receiver.coordinates(positions * side) for positions in moved[1:]]
             result.append(shapes)
         return result
 
     def write(self, shapes: list[list[Array32]]) -> Generator[float, None, None]:
-        """Give each target its sequence, a block at each step; the share done. Closed before: as it was."""
-        begun: list[tuple[SceneShape, list[Setting]]] = []
+        """Give each receiver its sequence, a block at each step; the share done. Closed before: as it was."""
+        begun: list[tuple[AnyObject, list[Setting]]] = []
         try:
-            for count, (target, own) in enumerate(zip(self._targets, shapes, strict=True)):
-                obj = target.resolve()
-                begun.append((target, [getattr(obj.planar, name) for name in SETTINGS]))
-                pose_edit.begin_sequence(obj, target.rest_coordinates())
+            for count, (receiver, own) in enumerate(zip(self._receivers, shapes, strict=True)):
+                obj = receiver.resolve()
+                begun.append((receiver, [getattr(obj.planar, name) for name in SETTINGS]))
+                pose_edit.begin_sequence(obj, receiver.rest_coordinates())
                 blocks = [
                     dataclasses.replace(block, shape=shape, source=None)
                     for block, shape in zip(self._blocks, own, strict=True)
@@ -98,19 +98,19 @@ class Transfer:
                     yield (count + share) / len(shapes)
                 pose_showing.show_frame(obj)
         except BaseException:
-            for target, settings in begun:
-                _take_back(target, settings)
+            for receiver, settings in begun:
+                _take_back(receiver, settings)
             raise
 
     def _play(self, obj: bpy.types.Object, *_: Array) -> None:
-        """Give a target that has all blocks the source's timing and settings."""
+        """Give a receiver that has all blocks the source's timing and settings."""
         source, keys = self._source.resolve(), obj.data.shape_keys
         animation = source.data.shape_keys.animation_data
         if animation is not None and animation.action is not None:
             action = animation.action.copy()
             action.name = f"{obj.name} Poses"
             compat.assign_action(keys.animation_data_create(), action, compat.slot_of(animation))
-            pose_curve.follow(keys, *self._places)
+            pose_curve.follow(keys, *self._eval_times)
         obj.planar.active_pose = source.planar.active_pose
         for name in SETTINGS:
             setattr(obj.planar, name, getattr(source.planar, name))
@@ -119,10 +119,10 @@ class Transfer:
                 stretches.mark(obj, [index], edited=pose.edited)
 
 
-def _take_back(target: SceneShape, settings: list[Setting]) -> None:
+def _take_back(receiver: AnyObject, settings: list[Setting]) -> None:
     """Leave an object as it was before it was begun to be written."""
-    obj = bpy.data.objects.get(target.object_name)
-    if obj is None or obj.session_uid != target.session_uid:
+    obj = bpy.data.objects.get(receiver.object_name)
+    if obj is None or obj.session_uid != receiver.session_uid:
         return
     if not pose_state.is_ours(obj):  # its blocks are gone again
         pose_edit.end_sequence(obj)
@@ -131,14 +131,14 @@ def _take_back(target: SceneShape, settings: list[Setting]) -> None:
         setattr(obj.planar, name, value)
 
 
-def _side(source: SceneShape, target: SceneShape) -> Array:
-    """What takes the target's plane coordinates to the source's side: (1, 1), else (-1, 1).
+def _side(source: AnyObject, receiver: AnyObject) -> Array:
+    """What takes the receiver's plane coordinates to the source's side: (1, 1), else (-1, 1).
 
     Faces tell by their winding, and both are seen from their fronts. Lines have none: theirs is the side from
     which both rest shapes are more alike.
     """
     if "edges" not in source.elements:
         return np.ones(2)
-    here, there = ((x - x.mean(axis=0)) @ [1.0, 1.0j] for x in (source.rest, target.rest))
+    here, there = ((x - x.mean(axis=0)) @ [1.0, 1.0j] for x in (source.rest, receiver.rest))
     mirrored = np.abs(here @ there) > np.abs(here.conj() @ there) * (1.0 + 1e-6)
     return np.array([-1.0 if mirrored else 1.0, 1.0])

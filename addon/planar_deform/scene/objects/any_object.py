@@ -11,12 +11,12 @@ from ...errors import Refusal
 from ...model.plane.frame import Array
 from ..sequence import playback, pose_edit
 from . import cutout_object
-from .cutout_object import SceneCutout
+from .cutout_object import CutoutObject
 from .cutout_reading import read
-from .flat_object import settle
-from .line_object import SceneOutline, outline_refusal
+from .flat_object import make_current
+from .line_object import LineObject, outline_refusal
 
-SceneShape = SceneCutout | SceneOutline
+AnyObject = CutoutObject | LineObject
 
 
 def shape_refusal(obj: bpy.types.Object | None) -> str | None:
@@ -36,32 +36,32 @@ def is_outline(obj: bpy.types.Object) -> bool:
     return obj.type == "CURVE" or (obj.type == "MESH" and not obj.data.polygons)
 
 
-def begin_shape(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneShape:
-    """The active object's shape at the start of an action, its transforms up to date. Raises Refusal.
+def begin_shape(context: bpy.types.Context, *, unkeyed: bool = False) -> AnyObject:
+    """The active object's shape at the start of a posing, its transforms up to date. Raises Refusal.
 
     A drag that still is on, as during a script, ends with what it shows.
 
-    `unkeyed`: what the action writes is shown, and never becomes a keyed pose by itself.
+    `unkeyed`: what the posing writes is shown, and never becomes a keyed pose by itself.
     """
-    settle(context)
+    make_current(context)
     return read_shape(context.object, unkeyed=unkeyed)
 
 
-def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> SceneShape:
+def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> AnyObject:
     """The object's shape, as it is shown. Raises Refusal; changes nothing."""
     reason = shape_refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
-    return SceneOutline(obj, unkeyed) if is_outline(obj) else SceneCutout(obj, read(obj, unkeyed=unkeyed))
+    return LineObject(obj, unkeyed) if is_outline(obj) else CutoutObject(obj, read(obj, unkeyed=unkeyed))
 
 
-def key_poses(scene: SceneShape, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
+def key_poses(drawing: AnyObject, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
     """Key poses: n x 2 positions of the object's points by frame, as pose_edit.put_coordinates() does it.
 
-    `scene` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
+    `drawing` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
     """
-    obj = scene.resolve()
-    coordinates = {frame: scene.coordinates(positions) for frame, positions in shapes.items()}
-    steps = pose_edit.put_coordinates(obj, coordinates, scene.rest_coordinates(), throughout=throughout)
+    obj = drawing.resolve()
+    coordinates = {frame: drawing.coordinates(positions) for frame, positions in shapes.items()}
+    steps = pose_edit.put_coordinates(obj, coordinates, drawing.rest_coordinates(), throughout=throughout)
     playback.run(steps)

@@ -9,7 +9,7 @@ import numpy as np
 from ...model.plane.connectivity import Connectivity
 from ...model.plane.frame import Indices
 from ..storage.topology import corner_vertices
-from .any_object import SceneShape
+from .any_object import AnyObject
 
 
 def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
@@ -20,9 +20,9 @@ def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
     return Connectivity(len(vertices), sizes, corners)
 
 
-def shape_connectivity(scene: SceneShape) -> Connectivity:
+def shape_connectivity(drawing: AnyObject) -> Connectivity:
     """The faces or the lines of any shape. Raises ObjectGone."""
-    edges = scene.elements.get("edges")
+    edges = drawing.elements.get("edges")
     if edges is None:
-        return connectivity_of(scene.resolve().data, scene.vertex_indices)
-    return Connectivity(len(scene.vertex_indices), np.full(len(edges), 2, np.int32), edges.ravel(), "lines")
+        return connectivity_of(drawing.resolve().data, drawing.vertex_indices)
+    return Connectivity(len(drawing.vertex_indices), np.full(len(edges), 2, np.int32), edges.ravel(), "lines")

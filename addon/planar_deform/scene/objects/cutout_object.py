@@ -19,8 +19,8 @@ from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness
 from .cutout_reading import CutoutReading, RestOnFaces, read
-from .flat_object import FlatObject, data_refusal, is_flat, linear_of, origin_of, part_means, settle
-from .pose_store import OwnTarget
+from .flat_object import FlatObject, data_refusal, is_flat, linear_of, make_current, origin_of, part_means
+from .pose_store import OwnStore
 
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
@@ -48,24 +48,24 @@ def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | No
     return pose_state.refusal(obj) if pose_state.has_blocks(obj) else shape_keys.refusal(obj)
 
 
-def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> SceneCutout:
-    """The active object read at the start of an action, its transforms up to date. Raises Refusal.
+def begin(context: bpy.types.Context, *, unkeyed: bool = False) -> CutoutObject:
+    """The active object read at the start of a posing, its transforms up to date. Raises Refusal.
 
     A drag that still is on, as during a script, ends with what it shows.
 
-    `unkeyed`: what the action writes is shown, and never becomes a keyed pose by itself.
+    `unkeyed`: what the posing writes is shown, and never becomes a keyed pose by itself.
     """
-    settle(context)
+    make_current(context)
     return read_cutout(context.object, unkeyed=unkeyed)
 
 
-def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False, mode: str = "OBJECT") -> SceneCutout:
+def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False, mode: str = "OBJECT") -> CutoutObject:
     """The object's cutout, standing in the shape it shows. Raises Refusal; changes nothing."""
     reason = pose_refusal(obj, mode)
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
-    return SceneCutout(obj, read(obj, unkeyed=unkeyed))
+    return CutoutObject(obj, read(obj, unkeyed=unkeyed))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,20 +80,20 @@ class _FlatRest:
     areas: Array  # of those
 
 
-class SceneCutout(FlatObject):
+class CutoutObject(FlatObject):
     """A mesh object as a cutout. Indices are those of the cutout: vertices of faces, in the mesh's order."""
 
     cutout: Cutout
     stiffness_stamp: str  # of the painting that the cutout's stiffness comes from
 
     def __init__(
-        self, obj: bpy.types.Object, reading: CutoutReading, before: SceneCutout | None = None
+        self, obj: bpy.types.Object, reading: CutoutReading, before: CutoutObject | None = None
     ) -> None:
         """Of what has been read of an object. `before`: made of it earlier; what still holds is kept."""
-        super().__init__(obj, reading.target)
+        super().__init__(obj, reading.store)
         if before is not None and not np.array_equal(before._linear, self._linear):
             before = None
-        self._in_mesh = isinstance(self._target, OwnTarget)
+        self._in_mesh = isinstance(self._store, OwnStore)
         self._reading, self._rest_written = reading, False
         # Stored with the first pose where there is no pin yet, or the shape keys that held it are gone.
         self._rest_after = reading.rest.shape if reading.stored is None else None
@@ -118,7 +118,7 @@ class SceneCutout(FlatObject):
         painted = None if reading.painted is None else reading.painted[self.vertex_indices]
         self.cutout = make_cutout(positions, triangles, parts, painted)
 
-    def carried(self, obj: bpy.types.Object) -> SceneCutout | None:
+    def carried(self, obj: bpy.types.Object) -> CutoutObject | None:
         """The same cutout where its object is by now; None if that has been more than moved since."""
         origin = origin_of(obj)
         if not np.array_equal(self._linear, linear_of(obj)) or not np.isfinite(origin).all():
@@ -194,11 +194,11 @@ class SceneCutout(FlatObject):
 
     def write_rest(self) -> None:
         """Take the pose away, to the bit: what is posed, or the posed key's difference, goes back to rest."""
-        rest = self._target.rest(self.resolve(), self.rest_coordinates())
+        rest = self._store.rest(self.resolve(), self.rest_coordinates())
         if rest is not None:
-            coordinates = self._target.begin.copy()
+            coordinates = self._store.begin.copy()
             coordinates[self.vertex_indices] = rest[self.vertex_indices]
-            self._store(coordinates)
+            self._put(coordinates)
 
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
@@ -207,11 +207,11 @@ class SceneCutout(FlatObject):
             rest_shape.put_back(self.resolve().data, self._reading.stored, self._reading.owners)
             self._rest_written = False
 
-    def _store(self, shape: Array32) -> None:
+    def _put(self, shape: Array32) -> None:
         if self._in_mesh and self._rest_after is not None and not self._rest_written:
             rest_shape.write(self.resolve().data, self._rest_after)
             self._rest_written = True
-        super()._store(shape)
+        super()._put(shape)
 
     # -- rest
 
@@ -239,7 +239,7 @@ class SceneCutout(FlatObject):
             else:
                 known[rows] = False
 
-    def _flat_rest(self, rest: Array, known: Mask, shown: Array, before: SceneCutout | None) -> _FlatRest:
+    def _flat_rest(self, rest: Array, known: Mask, shown: Array, before: CutoutObject | None) -> _FlatRest:
         """The rest in its plane; where nothing of it is known, it becomes what is shown."""
         stored = self._reading.rest if known.all() else None
         if stored is not None and not np.array_equal(rest, stored.coordinates):
@@ -255,7 +255,7 @@ class SceneCutout(FlatObject):
         whole = known[triangles].all(axis=1)
         return _FlatRest(stored, world, frame, flat, whole, signed_areas(flat, triangles[whole]))
 
-    def _has_cutout_of(self, before: SceneCutout) -> bool:
+    def _has_cutout_of(self, before: CutoutObject) -> bool:
         """Whether that has the same rest, faces and stiffness, to the bit."""
         return (
             self._rest.stored is not None
@@ -264,7 +264,7 @@ class SceneCutout(FlatObject):
             and self._reading.painted is before._reading.painted
         )
 
-    def _shows_as(self, before: SceneCutout) -> bool:
+    def _shows_as(self, before: CutoutObject) -> bool:
         """Whether that has the same shape and faces, to the bit."""
         mine, other = self._reading, before._reading
         return mine.shown is other.shown and mine.rest.faces is other.rest.faces

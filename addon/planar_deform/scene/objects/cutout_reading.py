@@ -15,7 +15,7 @@ from ...model.plane.rest import coincident_edges, copied_parts
 from ..storage import points, vertex_groups
 from ..storage.vertex_groups import Members
 from . import rest_shape, stiffness, triangulation
-from .pose_store import Target, target_of
+from .pose_store import PoseStore, store_of
 from .triangulation import Faces
 
 
@@ -49,8 +49,8 @@ class CutoutReading:
     What is as it was in the reading before is the very same, so that all that follows from it may be kept.
     """
 
-    target: Target
-    shown: Array  # count x 3, the shape that the target shows
+    store: PoseStore
+    shown: Array  # count x 3, the shape that the store shows
     stored: Array32 | None  # the rest shape that the mesh holds, count x 3
     owners: Indices | None  # of each vertex's stored rest (count,)
     rest: RestOnFaces  # that one or, where there is none, the shape that would be posed
@@ -67,14 +67,14 @@ def read(
 ) -> CutoutReading:
     """Read a mesh that can be posed, and these of its vertex groups. Raises Refusal; changes nothing."""
     mesh = obj.data
-    target = target_of(obj, unkeyed)
+    store = store_of(obj, unkeyed)
     stored = rest_shape.basis_or_stored(obj)
     owners = None if stored is None or mesh.shape_keys is not None else rest_shape.owners_of(mesh)
-    shape = target.begin if stored is None else stored
+    shape = store.begin if stored is None else stored
     rest = RestOnFaces(shape, triangulation.faces_of(mesh, shape))
     members = vertex_groups.members(obj, {*groups, obj.planar.stiffness_group})
     painted = stiffness.spread(members.get(obj.planar.stiffness_group), points.count(obj))
-    shown = target.shown
+    shown = store.shown
     if before is not None:
         if np.array_equal(shown, before.shown):
             shown = before.shown
@@ -82,4 +82,4 @@ def read(
             rest = before.rest
         if painted is not None and before.painted is not None and np.array_equal(painted, before.painted):
             painted = before.painted
-    return CutoutReading(target, shown, stored, owners, rest, painted, members)
+    return CutoutReading(store, shown, stored, owners, rest, painted, members)

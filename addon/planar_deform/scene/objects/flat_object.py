@@ -13,7 +13,7 @@ from ...model.plane.cutout import diagonal_of
 from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped
 from ...model.posing import solving
 from ..storage import migration, points, shape_keys
-from .pose_store import Target
+from .pose_store import PoseStore
 
 FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
 
@@ -36,7 +36,7 @@ def data_refusal(obj: bpy.types.Object, mode: str) -> str | None:
     return None
 
 
-def settle(context: bpy.types.Context) -> None:
+def make_current(context: bpy.types.Context) -> None:
     """Before the active object is read: end a drag that still is on with what it shows, update transforms."""
     solving.interrupt()
     context.view_layer.update()
@@ -57,7 +57,7 @@ class FlatObject:
     vertex_indices: Indices  # n, of each point in the object
     count: int  # of the object's points
 
-    def __init__(self, obj: bpy.types.Object, target: Target):
+    def __init__(self, obj: bpy.types.Object, store: PoseStore):
         self.object_name, self.session_uid = obj.name, obj.session_uid
         self._data_uid, self.count, self._mode = obj.data.session_uid, points.count(obj), obj.mode
         self._linear, self._origin = linear_of(obj), origin_of(obj)
@@ -69,16 +69,16 @@ class FlatObject:
         if not stretches[-1] > 1e-6 * stretches[0]:
             raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
         self._inverse = np.linalg.inv(self._linear)
-        self._target = target
+        self._store = store
 
     def _take_points(self, obj: bpy.types.Object, used: Indices, parts: Indices) -> Array:
         """Stand for these of the object's points; the coordinates n x 3 at which they are shown."""
         self.vertex_indices, self.parts = used, parts
-        shown = self._target.shown[used, :3]
+        shown = self._store.shown[used, :3]
         if not np.isfinite(shown).all():
             kind = "vertices" if obj.type == "MESH" else "points"
             raise Refusal(f"'{obj.name}' has {kind} with coordinates that are not numbers: delete them")
-        self._share = self._target.share[used]
+        self._share = self._store.share[used]
         shape_keys.check_share(obj, self._share)
         return shown
 
@@ -130,7 +130,7 @@ class FlatObject:
 
         Raises Refusal beyond what Blender can store.
         """
-        shown = self._target.shown.astype(np.float32)
+        shown = self._store.shown.astype(np.float32)
         return self._placed(shown, self.positions, positions, np.ones_like(self._share))
 
     def moved(self, shape: Array32, positions: Array) -> Array32:
@@ -149,16 +149,16 @@ class FlatObject:
         A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
         Raises Refusal, with nothing changed, beyond what Blender can store.
         """
-        self._store(self._placed(self._target.begin, self.positions, positions, self._share))
+        self._put(self._placed(self._store.begin, self.positions, positions, self._share))
 
     def show(self, shape: Array32) -> None:
         """Show a shape, see storage/points.py, of an object with a pose sequence."""
-        self._store(shape)
+        self._put(shape)
 
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
         obj = self.resolve()
-        self._target.restore(obj)
+        self._store.restore(obj)
         points.update(obj)
 
     def resolve(self) -> bpy.types.Object:
@@ -168,7 +168,7 @@ class FlatObject:
             raise ObjectGone(f"'{self.object_name}' is gone")
         if (obj.data.session_uid, points.count(obj), obj.mode) != (self._data_uid, self.count, self._mode):
             raise ObjectGone(f"The {obj.type.lower()} of '{self.object_name}' has changed")
-        if not self._target.is_there(obj):
+        if not self._store.is_there(obj):
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
         return obj
 
@@ -184,9 +184,9 @@ class FlatObject:
             raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
         return shape
 
-    def _store(self, shape: Array32) -> None:
+    def _put(self, shape: Array32) -> None:
         obj = self.resolve()
-        self._target.store(obj, shape)
+        self._store.write(obj, shape)
         points.update(obj)
 
 

@@ -21,13 +21,13 @@ from ..sequence import pose_state
 from ..storage import points, shape_keys
 from ..storage.topology import edge_vertices
 from .flat_object import FlatObject, data_refusal, is_flat
-from .pose_store import target_of
+from .pose_store import store_of
 
 
 def outline_refusal(obj: bpy.types.Object) -> str | None:
     """Why shapes of a curve, or of a mesh without faces, cannot be keyed, and what to do; None when they can.
 
-    Cheap enough for polls; SceneOutline finds the rest.
+    Cheap enough for polls; LineObject finds the rest.
     """
     reason = data_refusal(obj, "OBJECT")
     if reason is not None:
@@ -42,7 +42,7 @@ def outline_refusal(obj: bpy.types.Object) -> str | None:
     return pose_state.refusal(obj) if pose_state.has_blocks(obj) else shape_keys.refusal(obj)
 
 
-class SceneOutline(FlatObject):
+class LineObject(FlatObject):
     """A curve or a mesh without faces, as points joined by edges. Indices are those of its joined points."""
 
     rest: Array  # n x 2
@@ -50,13 +50,13 @@ class SceneOutline(FlatObject):
     elements: native.Elements  # edges
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
-        super().__init__(obj, target_of(obj, unkeyed))
+        super().__init__(obj, store_of(obj, unkeyed))
         edges = edges_of(obj)
         used, compact = np.unique(edges, return_inverse=True)
         compact = compact.reshape(-1, 2).astype(np.int32)
         shown = self._take_points(obj, used.astype(np.int32), connected_parts(len(used), compact))
         keys = obj.data.shape_keys
-        self._rest_shape = self._target.begin if keys is None else points.read_block(obj, keys.reference_key)
+        self._rest_shape = self._store.begin if keys is None else points.read_block(obj, keys.reference_key)
         rest = self._rest_shape[used, :3].astype(np.float64)
         blocks = [] if keys is None else keys.key_blocks
         others = (points.read_block(obj, block)[used, :3].astype(np.float64) for block in blocks)

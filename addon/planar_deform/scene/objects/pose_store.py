@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a pose of an object is written: its own points, its posed shape key, or its pose sequence.
 
-A target is read once, at the start of an action, and holds no reference to Blender's data.
+A store is read once, at the start of a posing, and holds no reference to Blender's data.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from ..sequence import pose_showing, pose_state
 from ..storage import points, shape_keys
 
 
-def target_of(obj: bpy.types.Object, unkeyed: bool) -> Target:
+def store_of(obj: bpy.types.Object, unkeyed: bool) -> PoseStore:
     """Where the object's next pose goes. `unkeyed`: never into a keyed pose. Raises Refusal."""
     if obj.data.shape_keys is None:
-        return OwnTarget(obj)
-    return SequenceTarget(obj, unkeyed) if pose_state.is_ours(obj) else KeyTarget(obj)
+        return OwnStore(obj)
+    return SequenceStore(obj, unkeyed) if pose_state.is_ours(obj) else KeyStore(obj)
 
 
-class OwnTarget:
+class OwnStore:
     """The mesh's or curve's own points."""
 
     begin: Array32  # what is stored at the start, a shape as in storage/points.py
@@ -38,20 +38,20 @@ class OwnTarget:
         """Whether the object still stores its shape in this way."""
         return obj.data.shape_keys is None
 
-    def store(self, obj: bpy.types.Object, shape: Array32) -> None:
+    def write(self, obj: bpy.types.Object, shape: Array32) -> None:
         """Show a shape."""
         points.write(obj, shape)
 
     def restore(self, obj: bpy.types.Object) -> None:
         """Put everything back as it was, to the bit."""
-        self.store(obj, self.begin)
+        self.write(obj, self.begin)
 
     def rest(self, obj: bpy.types.Object, rest: Array32) -> Array32 | None:
         """What to store for the shape `rest` to show; None if it does already."""
         return rest
 
 
-class KeyTarget:
+class KeyStore:
     """The active one of relative shape keys; with the Basis active, a Pose key that is made when needed."""
 
     def __init__(self, obj: bpy.types.Object):
@@ -68,7 +68,7 @@ class KeyTarget:
         name = self._added or self._name
         return keys is not None and keys.use_relative and (name is None or name in keys.key_blocks)
 
-    def store(self, obj: bpy.types.Object, shape: Array32) -> None:
+    def write(self, obj: bpy.types.Object, shape: Array32) -> None:
         if self._name is None and self._added is None:
             self._added = shape_keys.add_pose_key(obj).name
         key = obj.data.shape_keys.key_blocks[self._added or self._name]
@@ -76,7 +76,7 @@ class KeyTarget:
 
     def restore(self, obj: bpy.types.Object) -> None:
         if self._added is None:
-            self.store(obj, self.begin)
+            self.write(obj, self.begin)
             return
         keys = obj.data.shape_keys
         index = list(keys.key_blocks).index(keys.reference_key)
@@ -90,7 +90,7 @@ class KeyTarget:
         return points.read_block(obj, shape_keys.under_posed_key(obj))
 
 
-class SequenceTarget:
+class SequenceStore:
     """The pose that is keyed at the present frame; elsewhere the scratch, which the next frame takes away."""
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
@@ -110,7 +110,7 @@ class SequenceTarget:
             return False
         return self._name is None or self._name in obj.data.shape_keys.key_blocks
 
-    def store(self, obj: bpy.types.Object, shape: Array32) -> None:
+    def write(self, obj: bpy.types.Object, shape: Array32) -> None:
         if self._name is None:
             pose_showing.show_unkeyed(obj, shape)
         else:
@@ -118,7 +118,7 @@ class SequenceTarget:
 
     def restore(self, obj: bpy.types.Object) -> None:
         if self._name is not None or self._was_unkeyed:
-            self.store(obj, self.begin)
+            self.write(obj, self.begin)
         else:
             pose_showing.drop_scratch(obj)
             obj.data.shape_keys.eval_time = self._time
@@ -127,4 +127,4 @@ class SequenceTarget:
         return rest
 
 
-Target = OwnTarget | KeyTarget | SequenceTarget
+PoseStore = OwnStore | KeyStore | SequenceStore

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The object's pin list: vertex groups in, model pins out, results of actions back."""
+"""The object's pin list: vertex groups in, model pins out, results of posings back."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 from ...model.plane.frame import Array
 from ...model.plane.locate import MeshPoint
 from ...model.posing.pins import Holder, Pin
-from ...model.posing.pose_action import PinResult
+from ...model.posing.posing import PinResult
 from ..objects import rest_shape
-from ..objects.cutout_object import SAME_PLACE, SceneCutout
+from ..objects.cutout_object import SAME_PLACE, CutoutObject
 from ..storage import migration
 from ..storage.vertex_groups import Members, members
 
@@ -75,17 +75,17 @@ def groups_of(obj: bpy.types.Object) -> set[str]:
     return {pin.group for pin in obj.planar.pins}
 
 
-def model_pins(obj: bpy.types.Object, scene: SceneCutout) -> list[Pin]:
+def model_pins(obj: bpy.types.Object, drawing: CutoutObject) -> list[Pin]:
     """The usable pins of an object, as bound_pins() finds them."""
-    return [holder.pin for holder in bound_pins(obj, scene, members(obj, groups_of(obj)))]
+    return [holder.pin for holder in bound_pins(obj, drawing, members(obj, groups_of(obj)))]
 
 
 def bound_pins(
-    obj: bpy.types.Object, scene: SceneCutout, groups: Mapping[str, Members], before: Iterable[Holder] = ()
+    obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Members], before: Iterable[Holder] = ()
 ) -> list[Holder]:
     """The usable pins of an object: those whose group exists and has a vertex of a face in it.
 
-    A pin's stored target is kept while the pin still is where the last action left it, and dropped otherwise
+    A pin's stored target is kept while the pin still is where the last posing left it, and dropped otherwise
     (the mesh was edited, reset, shows another key), so that the pin holds what is seen.
 
     `groups` are those of the pins, as the mesh has them, and `before` the same pins bound earlier.
@@ -95,21 +95,21 @@ def bound_pins(
     holders = []
     for key, pin in enumerate(settings.pins):
         vertices, weights = groups.get(pin.group, (np.empty(0, np.int32), np.empty(0)))
-        rows = scene.rows_of(vertices)
+        rows = drawing.rows_of(vertices)
         inside = (rows >= 0) & (weights > 0.0)
         if not inside.any():
             continue
         weight = pin.weight * settings.pin_weight
         model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, weight, pin.angle)
         old = known.get(key)
-        holder = Holder(model, scene.cutout) if old is None else old.holding(model, scene.cutout)
+        holder = Holder(model, drawing.cutout) if old is None else old.holding(model, drawing.cutout)
         if pin.has_target:
-            reached, target = scene.from_local(np.array([pin.reached, pin.target], dtype=np.float64))
+            reached, target = drawing.from_local(np.array([pin.reached, pin.target], dtype=np.float64))
             # Both were stored in float32, which far from the origin is coarser than the drawing asks for.
             rounding = 2.0**-22 * np.linalg.norm(reached)
-            gap = np.linalg.norm(holder.place(scene.positions) - reached)
-            if gap <= SAME_PLACE * scene.cutout.diagonal + rounding:
-                holder = holder.holding(replace(model, target=target), scene.cutout)
+            gap = np.linalg.norm(holder.place(drawing.positions) - reached)
+            if gap <= SAME_PLACE * drawing.cutout.diagonal + rounding:
+                holder = holder.holding(replace(model, target=target), drawing.cutout)
         holders.append(holder)
     return holders
 
@@ -123,16 +123,16 @@ def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:
     return results
 
 
-def store_results(obj: bpy.types.Object, scene: SceneCutout, results: Iterable[PinResult]) -> None:
-    """Keep where an action asked its pins to be and where it left them."""
+def store_results(obj: bpy.types.Object, drawing: CutoutObject, results: Iterable[PinResult]) -> None:
+    """Keep where a posing asked its pins to be and where it left them."""
     for result in results:
         pin = obj.planar.pins[result.key]
         parts = np.array([result.part, result.part], np.int32)
-        pin.target, pin.reached = scene.to_local(np.array([result.target, result.reached]), parts)
+        pin.target, pin.reached = drawing.to_local(np.array([result.target, result.reached]), parts)
         pin.has_target = True
         if pin.kind == "PATCH":
             pin.angle = result.angle
-    obj.planar.solved_stiffness = scene.stiffness_stamp
+    obj.planar.solved_stiffness = drawing.stiffness_stamp
 
 
 def forget_targets(obj: bpy.types.Object) -> None:
@@ -142,10 +142,10 @@ def forget_targets(obj: bpy.types.Object) -> None:
         pin.angle = 0.0
 
 
-def add_at(obj: bpy.types.Object, scene: SceneCutout, point: MeshPoint) -> bpy.types.PropertyGroup:
+def add_at(obj: bpy.types.Object, drawing: CutoutObject, point: MeshPoint) -> bpy.types.PropertyGroup:
     """Add a point pin at a point of the mesh, with a vertex group of its up to three weights."""
     group = obj.vertex_groups.new(name=GROUP_NAME)
-    corners = scene.vertex_indices[scene.cutout.triangles[point.triangle]]
+    corners = drawing.vertex_indices[drawing.cutout.triangles[point.triangle]]
     for vertex, weight in zip(corners.tolist(), point.weights.tolist(), strict=True):
         if weight > 0.0:
             group.add([vertex], weight, "REPLACE")

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
+from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from .pose_blocks import keyed
 
 
@@ -19,7 +19,7 @@ class KeyedPose:
 
     pose: int  # its index in the object's list
     frame: float
-    at: float  # the place of its block
+    at: float  # the eval_time of its block
 
 
 def around(obj: bpy.types.Object, frame: float) -> tuple[KeyedPose | None, KeyedPose | None]:
@@ -31,12 +31,12 @@ def around(obj: bpy.types.Object, frame: float) -> tuple[KeyedPose | None, Keyed
     timeline = keyed(obj.data.shape_keys).astype(np.float64)
     if not len(poses) or not len(timeline):
         return None, None
-    places = np.empty(len(poses), np.float32)
-    poses.foreach_get("at", places)
-    order = places.argsort()
-    following = np.searchsorted(places[order], timeline[:, 1] - SAME_PLACE)
+    eval_times = np.empty(len(poses), np.float32)
+    poses.foreach_get("at", eval_times)
+    order = eval_times.argsort()
+    following = np.searchsorted(eval_times[order], timeline[:, 1] - SAME_EVAL_TIME)
     nearest = order[np.minimum(following, len(poses) - 1)]
-    shows = np.abs(timeline[:, 1] - places[nearest]) < SAME_PLACE
+    shows = np.abs(timeline[:, 1] - eval_times[nearest]) < SAME_EVAL_TIME
     before = np.flatnonzero(shows & (timeline[:, 0] <= frame - SAME_FRAME))
     behind = np.flatnonzero(shows & (timeline[:, 0] >= frame + SAME_FRAME))
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The played range of a pose sequence laid anew: the one way in which its blocks come, go and change places.
+"""The played range of a pose sequence laid anew: the one way in which its blocks come, go and move.
 
-A block cannot be moved: it is taken out and added again at its new place, and the curve's values follow.
+A block cannot be moved: it is taken out and added again at its new eval_time, and the curve's values follow.
 """
 
 from __future__ import annotations
@@ -16,14 +16,25 @@ import numpy as np
 
 from ...errors import ObjectGone
 from ...model.plane.frame import Array, Array32
-from ...model.timing.played_curve import SAME_PLACE, moved
+from ...model.timing.played_curve import SAME_EVAL_TIME, moved
 from ..storage.points import read_block, write_block
 from . import pose_curve
-from .pose_blocks import FIRST, HOLD, SPACING, STILL, add, blended, block_at, places, shown_curve, take_out
+from .pose_blocks import (
+    FIRST,
+    HOLD,
+    SPACING,
+    STILL,
+    add,
+    blended,
+    block_at,
+    eval_times,
+    shown_curve,
+    take_out,
+)
 
 Record = dict[str, Any]
 
-# What Blender keeps of a block beside its name, place and shape.
+# What Blender keeps of a block beside its name, eval_time and shape.
 _SETTINGS = (
     *("interpolation", "lock_shape", "mute", "vertex_group"),
     *("slider_min", "slider_max", "value"),
@@ -37,20 +48,22 @@ class Block:
     name: str
     # See storage/points.py; a function makes it when it is written. None: what `source` holds.
     shape: Array32 | Callable[[], Array32] | None = None
-    source: float | None = None  # place of the block of the file that it is, with Blender's settings of it
+    source: float | None = (
+        None  # eval_time of the block of the file that it is, with Blender's settings of it
+    )
     pose: Record | None = None  # of a listed pose: what the list keeps of it
-    sample: bool = False  # generated, for the pose before it
-    free: int = 0  # empty places before it, where the user has removed generated blocks
+    inbetween: bool = False  # generated, for the pose before it
+    free: int = 0  # empty eval_times before it, where the user has removed generated blocks
 
     @property
     def stands_at(self) -> float:
-        """The place of the block of the file; blocks_of() gives none without one."""
+        """The eval_time of the block of the file; blocks_of() gives none without one."""
         assert self.source is not None
         return self.source
 
 
 def record_of(pose: bpy.types.PropertyGroup) -> Record:
-    """What the list keeps of a pose, without its place and what the curve tells."""
+    """What the list keeps of a pose, without its eval_time and what the curve tells."""
     names = [prop.identifier for prop in pose.bl_rna.properties if not prop.is_readonly]
     return {name: getattr(pose, name) for name in names if name not in {"rna_type", "at", "frame"}}
 
@@ -59,27 +72,30 @@ def blocks_of(obj: bpy.types.Object) -> list[Block]:
     """The played range as it is."""
     keys = obj.data.shape_keys
     poses = {pose.at: pose for pose in obj.planar.poses}
-    present = whole(places(keys))
+    present = whole(eval_times(keys))
     behind = _generated_behind(obj, set(present.tolist()))
     blocks: list[Block] = []
-    owned, latest = 0, FIRST  # generated places that are still to come, and the place before the next of them
-    for block, place in zip(keys.key_blocks, present.tolist(), strict=True):
-        if not FIRST - SAME_PLACE < place < HOLD:
+    owned, latest = (
+        0,
+        FIRST,
+    )  # generated eval_times that are still to come, and the eval_time before the next of them
+    for block, eval_time in zip(keys.key_blocks, present.tolist(), strict=True):
+        if not FIRST - SAME_EVAL_TIME < eval_time < HOLD:
             continue
-        found = Block(block.name, source=place)
-        steps = round((place - latest) / SPACING)
-        if place in behind:
-            found.pose, found.free = record_of(poses[place]), owned
-            owned, latest = behind[place], place
-        elif 0 < steps <= owned and place == latest + steps * SPACING:
-            found.sample, found.free = True, steps - 1
-            owned, latest = owned - steps, place
+        found = Block(block.name, source=eval_time)
+        steps = round((eval_time - latest) / SPACING)
+        if eval_time in behind:
+            found.pose, found.free = record_of(poses[eval_time]), owned
+            owned, latest = behind[eval_time], eval_time
+        elif 0 < steps <= owned and eval_time == latest + steps * SPACING:
+            found.inbetween, found.free = True, steps - 1
+            owned, latest = owned - steps, eval_time
         blocks.append(found)
     return blocks
 
 
 def _generated_behind(obj: bpy.types.Object, present: set[float]) -> dict[float, int]:
-    """Generated places behind each pose, by its place; those of a pose that is lost are the last one's."""
+    """How many are generated behind each pose, by its eval_time; those of a lost pose are the last one's."""
     behind: dict[float, int] = {}
     latest = None
     for pose in obj.planar.poses:
@@ -94,16 +110,16 @@ def _generated_behind(obj: bpy.types.Object, present: set[float]) -> dict[float,
 def whole(at: Array) -> Array:
     """Places freed of Blender's rounding."""
     whole = np.round(at)
-    return np.asarray(np.where(np.abs(at - whole) < SAME_PLACE, whole, at))
+    return np.asarray(np.where(np.abs(at - whole) < SAME_EVAL_TIME, whole, at))
 
 
-def places_of(blocks: Sequence[Block]) -> Array:
+def eval_times_of(blocks: Sequence[Block]) -> Array:
     """Where these blocks will be."""
     steps = np.cumsum([1 + block.free for block in blocks], dtype=np.float64)
     return np.asarray(FIRST + SPACING * (steps - steps[0]) if len(steps) else steps)
 
 
-def sample_name(pose: str, number: int) -> str:
+def inbetween_name(pose: str, number: int) -> str:
     """A name that tells where it belongs, no longer than Blender's names can be."""
     behind = f" +{number}"
     return pose.encode()[: 63 - len(behind)].decode(errors="ignore") + behind
@@ -119,7 +135,7 @@ Follow = Callable[[bpy.types.Object, Array, Array], None]
 
 
 def follow(obj: bpy.types.Object, old: Array, new: Array) -> None:
-    """What the curve does by default when blocks go from old to new places."""
+    """What the curve does by default when blocks go from old to new eval_times."""
     if len(old):
         pose_curve.follow(obj.data.shape_keys, old, new)
 
@@ -127,7 +143,7 @@ def follow(obj: bpy.types.Object, old: Array, new: Array) -> None:
 def relay(obj: bpy.types.Object, blocks: Sequence[Block], then: Follow = follow) -> Iterator[float]:
     """Replace the played range by these blocks, one a step; yields the share that is done.
 
-    `then` is called at the end, with the old and new places of the blocks that stay in order, to edit the
+    `then` is called at the end, with the old and new eval_times of the blocks that stay in order, to edit the
     curve. Between the steps the object shows what it showed. Closed before its end, or where anything fails,
     everything is back to the bit. A first block has `free` 0.
     """
@@ -146,35 +162,41 @@ def _lay(
 ) -> Iterator[float]:
     obj = find()
     keys = obj.data.shape_keys
-    at = places_of(blocks)
-    kept = {block.source: place for block, place in zip(blocks, at, strict=True) if block.source is not None}
+    at = eval_times_of(blocks)
+    kept = {
+        block.source: eval_time
+        for block, eval_time in zip(blocks, at, strict=True)
+        if block.source is not None
+    }
     by_source = {block.source: block for block in blocks if block.source is not None}
-    present = whole(places(keys))
-    present = present[(present > FIRST - SAME_PLACE) & (present < HOLD)].tolist()
-    names = dict(zip(whole(places(keys)).tolist(), keys.key_blocks.keys(), strict=True))
+    present = whole(eval_times(keys))
+    present = present[(present > FIRST - SAME_EVAL_TIME) & (present < HOLD)].tolist()
+    names = dict(zip(whole(eval_times(keys)).tolist(), keys.key_blocks.keys(), strict=True))
     leaving = [
-        place for place in present if kept.get(place) != place or by_source[place].name != names[place]
+        eval_time
+        for eval_time in present
+        if kept.get(eval_time) != eval_time or by_source[eval_time].name != names[eval_time]
     ]
     gone = set(leaving)
     work = len(leaving) + len(blocks)
     undo.show_still(obj)
     settings: dict[float | None, Record] = {}
-    for done, place in enumerate(leaving):
+    for done, eval_time in enumerate(leaving):
         obj = find()
-        old = undo.take_out(obj, place)
-        settings[place] = old.settings
-        if place in by_source and by_source[place].shape is None:
-            by_source[place].shape = old.shape
+        old = undo.take_out(obj, eval_time)
+        settings[eval_time] = old.settings
+        if eval_time in by_source and by_source[eval_time].shape is None:
+            by_source[eval_time].shape = old.shape
         obj.data.shape_keys.eval_time = STILL
         yield done / work
-    for done, (block, place) in enumerate(zip(blocks, at, strict=True), len(leaving)):
+    for done, (block, eval_time) in enumerate(zip(blocks, at, strict=True), len(leaving)):
         obj = find()
         shape = block.shape() if callable(block.shape) else block.shape
-        if block.source != place or place in gone:
+        if block.source != eval_time or eval_time in gone:
             assert shape is not None  # a block that is new has one, of the others it has been read
-            block.name = undo.add(obj, block.name, place, shape, settings.get(block.source))
+            block.name = undo.add(obj, block.name, eval_time, shape, settings.get(block.source))
         elif shape is not None:
-            undo.overwrite(obj, place, shape)
+            undo.overwrite(obj, eval_time, shape)
         obj.data.shape_keys.eval_time = STILL
         yield done / work
     obj = find()
@@ -193,27 +215,27 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
     latest = None
     # A new pose may have the name of one that is gone, which others repeated.
     there = {block.name for block in blocks if block.pose is not None and block.source is not None}
-    for block, place in zip(blocks, at.tolist(), strict=True):
-        if latest is not None and (block.sample or block.pose is not None):
-            latest.generated += block.free + block.sample
+    for block, eval_time in zip(blocks, at.tolist(), strict=True):
+        if latest is not None and (block.inbetween or block.pose is not None):
+            latest.generated += block.free + block.inbetween
         if block.pose is not None:
             record = {**block.pose, "name": block.name, "generated": 0}
             if record.get("copy_of") not in there:
                 record["copy_of"] = ""
-            latest = _add_pose(obj, place, record)
+            latest = _add_pose(obj, eval_time, record)
     for index, pose in enumerate(poses):
         if pose.at == active_at:
             obj.planar.active_pose = index
     obj.planar.active_pose = max(0, min(obj.planar.active_pose, len(poses) - 1))
-    if not any(block.sample for block in blocks):
+    if not any(block.inbetween for block in blocks):
         obj.planar.curve_before = ""  # the curve is as it would be without having been filled
 
 
-def _add_pose(obj: bpy.types.Object, place: float, record: Record) -> bpy.types.PropertyGroup:
+def _add_pose(obj: bpy.types.Object, eval_time: float, record: Record) -> bpy.types.PropertyGroup:
     pose = obj.planar.poses.add()
     for name, value in record.items():
         setattr(pose, name, value)
-    pose.at = place  # from now on a new name renames the block there
+    pose.at = eval_time  # from now on a new name renames the block there
     return pose
 
 
@@ -235,7 +257,7 @@ class _Stored:
     """A block as it was."""
 
     name: str
-    place: float
+    eval_time: float
     shape: Array32
     settings: Record
 
@@ -247,7 +269,7 @@ class _Undo:
         keys = obj.data.shape_keys
         settings = obj.planar
         self._eval_time, self._frame = keys.eval_time, bpy.context.scene.frame_current_final
-        self._active = _active_place(obj)
+        self._active = _active_eval_time(obj)
         self._active_pose = settings.active_pose
         self._poses = [(pose.at, record_of(pose)) for pose in settings.poses]
         self._before = {name: getattr(settings, name) for name in ("curve_before", "anchor_path", "smooth")}
@@ -263,28 +285,28 @@ class _Undo:
         self._still = True
         add(obj, "Shown", STILL, shape)
 
-    def take_out(self, obj: bpy.types.Object, place: float) -> _Stored:
-        block = block_at(obj.data.shape_keys, place)
-        assert block is not None  # the place is one of those there are
+    def take_out(self, obj: bpy.types.Object, eval_time: float) -> _Stored:
+        block = block_at(obj.data.shape_keys, eval_time)
+        assert block is not None  # the eval_time is one of those there are
         settings = {name: getattr(block, name) for name in _SETTINGS}
-        stored = _Stored(block.name, place, read_block(obj, block), settings)
+        stored = _Stored(block.name, eval_time, read_block(obj, block), settings)
         obj.shape_key_remove(block)
         self._removed.append(stored)
         return stored
 
-    def overwrite(self, obj: bpy.types.Object, place: float, shape: Array32) -> None:
-        block = block_at(obj.data.shape_keys, place)
-        self._overwritten.append((place, read_block(obj, block)))
+    def overwrite(self, obj: bpy.types.Object, eval_time: float, shape: Array32) -> None:
+        block = block_at(obj.data.shape_keys, eval_time)
+        self._overwritten.append((eval_time, read_block(obj, block)))
         write_block(block, shape)
 
     def add(
-        self, obj: bpy.types.Object, name: str, place: float, shape: Array32, settings: Record | None
+        self, obj: bpy.types.Object, name: str, eval_time: float, shape: Array32, settings: Record | None
     ) -> str:
         """Add a block; the name it has got."""
-        block = add(obj, name, place, shape)
+        block = add(obj, name, eval_time, shape)
         for setting, value in (settings or {}).items():
             setattr(block, setting, value)
-        self._added.append(place)
+        self._added.append(eval_time)
         return str(block.name)
 
     def show_as_before(self, obj: bpy.types.Object, carried: Mapping[float, float]) -> None:
@@ -300,12 +322,12 @@ class _Undo:
     def restore(self, obj: bpy.types.Object) -> None:
         """Everything as it was, to the bit."""
         keys, settings = obj.data.shape_keys, obj.planar
-        for place in self._added:
-            obj.shape_key_remove(block_at(keys, place))
-        for place, shape in self._overwritten:
-            write_block(block_at(keys, place), shape)
+        for eval_time in self._added:
+            obj.shape_key_remove(block_at(keys, eval_time))
+        for eval_time, shape in self._overwritten:
+            write_block(block_at(keys, eval_time), shape)
         for stored in self._removed:
-            block = add(obj, stored.name, stored.place, stored.shape)
+            block = add(obj, stored.name, stored.eval_time, stored.shape)
             for setting, value in stored.settings.items():
                 setattr(block, setting, value)
         if self._still and (still := block_at(keys, STILL)) is not None:
@@ -324,12 +346,12 @@ class _Undo:
         _activate(obj, self._active)
 
 
-def _active_place(obj: bpy.types.Object) -> float:
+def _active_eval_time(obj: bpy.types.Object) -> float:
     block = obj.active_shape_key
     return 0.0 if block is None else float(whole(np.array([block.frame]))[0])
 
 
-def _activate(obj: bpy.types.Object, place: float) -> None:
-    """Make the block at a place the active one, or the last one before it."""
-    below = np.flatnonzero(places(obj.data.shape_keys) < place + SAME_PLACE)
+def _activate(obj: bpy.types.Object, eval_time: float) -> None:
+    """Make the block at an eval_time the active one, or the last one before it."""
+    below = np.flatnonzero(eval_times(obj.data.shape_keys) < eval_time + SAME_EVAL_TIME)
     obj.active_shape_key_index = int(below[-1]) if len(below) else 0

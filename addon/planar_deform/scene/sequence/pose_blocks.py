@@ -9,11 +9,11 @@ import numpy as np
 from ... import compat
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
-from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
+from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage import points
 
-# Places of blocks: what eval_time has to be to show them. Blender keeps a place divided by 100 in float32,
-# and puts a new block at eval_time unless one is within 0.1 of that, or unless it is 10 above the last block.
+# The eval_times of blocks: what the Key's has to be to show them. Blender keeps a block's divided by 100 in
+# float32, and puts a new block at the Key's unless one is within 0.1 of that or all are 10 and more below.
 FIRST = 1024.0
 SPACING = 8.0
 HOLD = 500_000.0
@@ -21,25 +21,25 @@ SCRATCH = 1_000_000.0
 STILL = 1_040_000.0  # what is shown while blocks are laid anew; eval_time goes to 1 048 574
 
 
-def places(keys: bpy.types.Key) -> Array:
+def eval_times(keys: bpy.types.Key) -> Array:
     """Where each block is, in order."""
     found = np.empty(len(keys.key_blocks), np.float32)
     keys.key_blocks.foreach_get("frame", found)
     return found.astype(np.float64)
 
 
-def block_at(keys: bpy.types.Key | None, place: float) -> bpy.types.ShapeKey | None:
-    """The block at a place."""
+def block_at(keys: bpy.types.Key | None, eval_time: float) -> bpy.types.ShapeKey | None:
+    """The block at an eval_time."""
     if keys is None:
         return None
-    distances = np.abs(places(keys) - place)
+    distances = np.abs(eval_times(keys) - eval_time)
     nearest = int(distances.argmin())
-    return keys.key_blocks[nearest] if distances[nearest] < SAME_PLACE else None
+    return keys.key_blocks[nearest] if distances[nearest] < SAME_EVAL_TIME else None
 
 
-def add(obj: bpy.types.Object, name: str, place: float, shape: Array32) -> bpy.types.ShapeKey:
-    """Add a block that holds a shape at a place. Moves eval_time there."""
-    obj.data.shape_keys.eval_time = place
+def add(obj: bpy.types.Object, name: str, eval_time: float, shape: Array32) -> bpy.types.ShapeKey:
+    """Add a block that holds a shape at an eval_time. Moves eval_time there."""
+    obj.data.shape_keys.eval_time = eval_time
     block = obj.shape_key_add(name=name, from_mix=False)
     block.interpolation = "KEY_LINEAR"
     points.write_block(block, shape)
@@ -57,8 +57,8 @@ def played(keys: bpy.types.Key) -> list[bpy.types.ShapeKey]:
     """The blocks of the played range."""
     return [
         block
-        for block, at in zip(keys.key_blocks, places(keys), strict=True)
-        if FIRST - SAME_PLACE < at < HOLD
+        for block, at in zip(keys.key_blocks, eval_times(keys), strict=True)
+        if FIRST - SAME_EVAL_TIME < at < HOLD
     ]
 
 
@@ -68,7 +68,7 @@ def blended(obj: bpy.types.Object, time: float) -> Array32:
     Raises Refusal between blocks that are not interpolated linearly.
     """
     keys = obj.data.shape_keys
-    at = np.round(places(keys), 2)
+    at = np.round(eval_times(keys), 2)
     upper = int(np.searchsorted(at, time))
     if upper == len(at) or upper == 0 or at[upper] == time:
         return points.read_block(obj, keys.key_blocks[min(upper, len(at) - 1)])
@@ -84,9 +84,9 @@ def blended(obj: bpy.types.Object, time: float) -> Array32:
 
 
 def share_of(low: float, high: float, time: float) -> np.float32:
-    """How much of the block at place `high`, beside that at `low`, a value of eval_time shows.
+    """How much of the block at eval_time `high`, beside that at `low`, a value of eval_time shows.
 
-    Reckoned as Blender does, in float32 with places divided by 100: shapes far apart tell the difference.
+    Reckoned as Blender does, in float32 with eval_times divided by 100: shapes far apart tell the difference.
     """
     first, last, now = np.array([low, high, time], np.float32) / np.float32(100.0)
     share: np.float32 = (now - first) / (last - first)

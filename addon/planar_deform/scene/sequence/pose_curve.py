@@ -82,12 +82,12 @@ def remove_keys(keys: bpy.types.Key, chosen: Mask) -> None:
 
 
 def key(obj: bpy.types.Object, at: Mapping[float, float]) -> None:
-    """Key a place at each frame; what keys there were keep their easing, new ones are linear."""
+    """Key an eval_time at each frame; what keys there were keep their easing, new ones are linear."""
     keys = obj.data.shape_keys
     own_curve(keys)
     before = keyed(keys)[:, 0]
-    for frame, place in at.items():
-        keys.eval_time = place
+    for frame, eval_time in at.items():
+        keys.eval_time = eval_time
         keys.keyframe_insert("eval_time", frame=frame)
     if not len(before):
         keys.animation_data.action.name = f"{obj.name} Poses"

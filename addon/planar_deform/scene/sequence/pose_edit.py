@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
-from ...model.timing.played_curve import SAME_PLACE
+from ...model.timing.played_curve import SAME_EVAL_TIME
 from ..storage import migration, points
 from . import playback, pose_curve, pose_insertion
 from .pose_blocks import FIRST, block_at, keyed, own_curve
@@ -70,17 +70,17 @@ def remove(obj: bpy.types.Object, pose: int) -> None:
     if len(obj.planar.poses) == 1:
         clear(obj)
         return
-    place = obj.planar.poses[pose].at
+    eval_time = obj.planar.poses[pose].at
 
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         keys = obj.data.shape_keys
-        pose_curve.remove_keys(keys, np.abs(keyed(keys)[:, 1] - place) < SAME_PLACE)
+        pose_curve.remove_keys(keys, np.abs(keyed(keys)[:, 1] - eval_time) < SAME_EVAL_TIME)
         playback.follow(obj, old, new)
         curve = own_curve(keys)
         if curve is not None:
             curve.update()  # of a pose without keys none were removed
 
-    blocks = [block for block in playback.blocks_of(obj) if block.source != place]
+    blocks = [block for block in playback.blocks_of(obj) if block.source != eval_time]
     playback.run(playback.relay(obj, pose_insertion.close_up(blocks), then))
     drop_scratch(obj)
     activate(obj, max(0, min(obj.planar.active_pose, len(obj.planar.poses) - 1)))
@@ -101,14 +101,14 @@ def end_sequence(obj: bpy.types.Object) -> None:
     """Take all blocks away, and their curve."""
     settings = obj.planar
     keys = obj.data.shape_keys
-    below = [block for block in keys.key_blocks if block.frame < FIRST - SAME_PLACE]
+    below = [block for block in keys.key_blocks if block.frame < FIRST - SAME_EVAL_TIME]
     # It may raise Refusal, while nothing has changed.
     before = points.read_block(obj, below[-1]) if below else points.read(obj)
     action = None if keys.animation_data is None else keys.animation_data.action
     keys.animation_data_clear()
     if action is not None and not action.users:
         bpy.data.actions.remove(action)
-    for name in [block.name for block in keys.key_blocks if block.frame > FIRST - SAME_PLACE]:
+    for name in [block.name for block in keys.key_blocks if block.frame > FIRST - SAME_EVAL_TIME]:
         obj.shape_key_remove(keys.key_blocks[name])
     keys.eval_time = 0.0
     if settings.key_before < 0:

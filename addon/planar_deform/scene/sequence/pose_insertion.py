@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 
 from ...model.plane.frame import Array, Array32, Mask
-from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
+from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage.shape_keys import POSE_KEY
 from . import pose_curve
-from .playback import Block, blocks_of, follow, places_of, relay
+from .playback import Block, blocks_of, eval_times_of, follow, relay
 from .pose_blocks import keyed
 
 
@@ -50,12 +50,12 @@ def insert(
         put_in(keys, blocks, new[frame], behind, frame, earlier)
         latest = frame
     _name(keys, new)
-    at = places_of(blocks).tolist()
+    at = eval_times_of(blocks).tolist()
     keyed_at = {frame: at[blocks.index(block)] for frame, block in new.items()}
 
-    def then(obj: bpy.types.Object, old: Array, places: Array) -> None:
+    def then(obj: bpy.types.Object, old: Array, eval_times: Array) -> None:
         pose_curve.remove_keys(obj.data.shape_keys, removed)
-        follow(obj, old, places)
+        follow(obj, old, eval_times)
         if keyed_at:
             pose_curve.key(obj, keyed_at)
 
@@ -75,28 +75,28 @@ def _without(
     """The blocks without the poses that only the removed keys show, and without what is generated there."""
 
     def shown(block: Block, rows: Array32) -> bool:
-        return bool((np.abs(rows[:, 1] - block.stands_at) < SAME_PLACE).any())
+        return bool((np.abs(rows[:, 1] - block.stands_at) < SAME_EVAL_TIME).any())
 
     low = high = 0.0
-    if len(timeline) and any(block.sample for block in blocks):
+    if len(timeline) and any(block.inbetween for block in blocks):
         low, high = (pose_curve.value_at(keys, frame) for frame in (frames[0], frames[-1]))
     result = []
     for block in blocks:
-        if block.sample:
+        if block.inbetween:
             gone = low < block.stands_at < high
         else:
             gone = block.pose is not None and shown(block, timeline[removed])
             gone = gone and not shown(block, timeline[~removed])
         if not gone:
             result.append(block)
-        elif not block.sample:
+        elif not block.inbetween:
             block.free = 0
     return close_up(result)
 
 
 def close_up(blocks: list[Block]) -> list[Block]:
     """These blocks as a sequence: nothing generated before the first pose or behind the last one."""
-    others = [index for index, block in enumerate(blocks) if not block.sample]
+    others = [index for index, block in enumerate(blocks) if not block.inbetween]
     kept = blocks[others[0] : others[-1] + 1] if others else []
     if kept:
         kept[0].free = 0
@@ -109,8 +109,8 @@ def _keyed_only_there(blocks: list[Block], timeline: Array32, frame: float) -> B
     for block in blocks if len(values) else ():
         if block.pose is None or block.source is None:
             continue
-        there = (np.abs(values - block.source) < SAME_PLACE).any()
-        if there and (np.abs(timeline[:, 1] - block.source) < SAME_PLACE).sum() == 1:
+        there = (np.abs(values - block.source) < SAME_EVAL_TIME).any()
+        if there and (np.abs(timeline[:, 1] - block.source) < SAME_EVAL_TIME).sum() == 1:
             return block
     return None
 
@@ -119,7 +119,7 @@ def shown_before(blocks: list[Block], earlier: Array32) -> Block | None:
     """The last block that is not behind what the last of these keys shows."""
     if not len(earlier):
         return None
-    shown = earlier[-1, 1] + SAME_PLACE
+    shown = earlier[-1, 1] + SAME_EVAL_TIME
     passed = [block for block in blocks if block.source is not None and block.source <= shown]
     return passed[-1] if passed else None
 
@@ -138,9 +138,11 @@ def put_in(
     """
     index = 0 if behind is None else blocks.index(behind) + 1
     value = pose_curve.value_at(keys, frame) if len(earlier) else -np.inf
-    while index < len(blocks) and blocks[index].sample and blocks[index].stands_at < value - SAME_PLACE:
+    while (
+        index < len(blocks) and blocks[index].inbetween and blocks[index].stands_at < value - SAME_EVAL_TIME
+    ):
         index += 1
-    if index < len(blocks) and blocks[index].sample and blocks[index].stands_at < value + SAME_PLACE:
+    if index < len(blocks) and blocks[index].inbetween and blocks[index].stands_at < value + SAME_EVAL_TIME:
         new.free = blocks[index].free
         blocks[index] = new
         return

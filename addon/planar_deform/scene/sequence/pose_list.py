@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
-from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
+from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage.points import read_block, update, write_block
 from . import playback, pose_curve, pose_edit, pose_showing, pose_state
-from .playback import blocks_of, places_of, relay, sample_name
+from .playback import blocks_of, eval_times_of, inbetween_name, relay
 from .pose_blocks import SPACING, block_at, keyed, own_curve, shown_curve
 from .pose_insertion import close_up, put_in, shown_before
 
@@ -29,7 +29,7 @@ def retime(obj: bpy.types.Object, pose: int, frame: float) -> None:
     keys = obj.data.shape_keys
     record = obj.planar.poses[pose]
     timeline = keyed(keys)
-    mine = np.flatnonzero(np.abs(timeline[:, 1] - record.at) < SAME_PLACE)
+    mine = np.flatnonzero(np.abs(timeline[:, 1] - record.at) < SAME_EVAL_TIME)
     if len(mine) and abs(timeline[mine[0], 0] - frame) < SAME_FRAME:
         return
     if (np.abs(timeline[:, 0] - frame) < SAME_FRAME).any():
@@ -55,11 +55,11 @@ def _move_key(curve: bpy.types.FCurve, index: int, frame: float) -> None:
 
 
 def _reorder(
-    obj: bpy.types.Object, place: float, others: Array32, mine: NDArray[np.intp], frame: float
+    obj: bpy.types.Object, eval_time: float, others: Array32, mine: NDArray[np.intp], frame: float
 ) -> None:
-    """Play the pose at a place where it belongs at a frame, among these other keys, and key it there."""
+    """Play the pose at an eval_time where it belongs at a frame, among these other keys, and key it there."""
     blocks = blocks_of(obj)
-    block = next(block for block in blocks if block.source == place)
+    block = next(block for block in blocks if block.source == eval_time)
     blocks.remove(block)
     block.free = 0
     for other in blocks:
@@ -71,12 +71,12 @@ def _reorder(
     earlier = others[others[:, 0] < frame]
     put_in(obj.data.shape_keys, blocks, block, shown_before(blocks, earlier), frame, earlier)
     blocks = close_up(blocks)
-    to = places_of(blocks)[blocks.index(block)]
+    to = eval_times_of(blocks)[blocks.index(block)]
 
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         keys = obj.data.shape_keys
         offsets = _offsets(keys, int(mine[0])) if len(mine) else None
-        stays = np.abs(old - place) > SAME_PLACE
+        stays = np.abs(old - eval_time) > SAME_EVAL_TIME
         playback.follow(obj, old[stays], new[stays])
         if offsets is None:
             pose_curve.key(obj, {frame: float(to)})
@@ -109,9 +109,9 @@ def rename_blocks(obj: bpy.types.Object, pose: bpy.types.PropertyGroup) -> None:
         if other.copy_of == before:
             other.copy_of = block.name
     for number in range(1, pose.generated + 1):
-        sample = block_at(keys, pose.at + number * SPACING)
-        if sample is not None and sample.name == sample_name(before, number):
-            sample.name = sample_name(block.name, number)
+        inbetween = block_at(keys, pose.at + number * SPACING)
+        if inbetween is not None and inbetween.name == inbetween_name(before, number):
+            inbetween.name = inbetween_name(block.name, number)
     pose.name = block.name  # which calls this again, with nothing to do
 
 

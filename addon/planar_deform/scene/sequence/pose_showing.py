@@ -23,9 +23,9 @@ def show_unkeyed(obj: bpy.types.Object, coordinates: Array32) -> None:
 
 
 def drop_scratch(obj: bpy.types.Object) -> None:
-    """Take the place of unkeyed poses away. What is shown then is for the caller to say."""
-    for place in (SCRATCH, HOLD):
-        block = block_at(obj.data.shape_keys, place)
+    """Take the eval_time of unkeyed poses away. What is shown then is for the caller to say."""
+    for eval_time in (SCRATCH, HOLD):
+        block = block_at(obj.data.shape_keys, eval_time)
         if block is not None:
             take_out(obj, block)
 

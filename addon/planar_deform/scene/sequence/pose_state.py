@@ -9,9 +9,9 @@ import numpy as np
 from ... import compat
 from ...errors import Refusal
 from ...model.plane.frame import Array32
-from ...model.timing.played_curve import SAME_FRAME, SAME_PLACE
+from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage.shape_keys import POSE_KEY
-from .pose_blocks import FIRST, HOLD, blended, block_at, keyed, places, shown_curve
+from .pose_blocks import FIRST, HOLD, blended, block_at, eval_times, keyed, shown_curve
 
 ON_A_COPY = "work on a copy of the object, with Apply All in the Shape Keys panel's menu"
 
@@ -47,7 +47,7 @@ def refusal(obj: bpy.types.Object) -> str | None:
 def _own_blocks_refusal(keys: bpy.types.Key) -> str | None:
     if keys.use_relative:
         return "Keyed poses are absolute shape keys: turn off Relative in the Shape Keys panel"
-    out_of_order = np.flatnonzero(np.diff(places(keys)) < SAME_PLACE)
+    out_of_order = np.flatnonzero(np.diff(eval_times(keys)) < SAME_EVAL_TIME)
     if len(out_of_order):
         name = keys.key_blocks[int(out_of_order[0]) + 1].name
         return f"Shape key '{name}' came from another object's poses: undo joining them, or clear those first"
@@ -58,7 +58,7 @@ def _foreign_blocks_refusal(keys: bpy.types.Key) -> str | None:
     if not keys.use_relative:
         return f"The mesh has absolute shape keys of its own: {ON_A_COPY}"
     others = [block.name for block in keys.key_blocks[1:]]
-    if others not in ([], [POSE_KEY]) or places(keys).max() >= FIRST:
+    if others not in ([], [POSE_KEY]) or eval_times(keys).max() >= FIRST:
         names = ", ".join(others[:3]) + (", ..." if others[3:] else "")
         return f"The mesh has shape keys of its own ({names}): {ON_A_COPY}"
     return None
@@ -104,10 +104,10 @@ def frames_of(obj: bpy.types.Object, pose: int) -> list[float]:
     return frames_at(obj, obj.planar.poses[pose].at)
 
 
-def frames_at(obj: bpy.types.Object, place: float) -> list[float]:
+def frames_at(obj: bpy.types.Object, eval_time: float) -> list[float]:
     """The frames at which keys of the curve have this value, in order."""
     timeline = keyed(obj.data.shape_keys)
-    frames: list[float] = timeline[np.abs(timeline[:, 1] - place) < SAME_PLACE, 0].tolist()
+    frames: list[float] = timeline[np.abs(timeline[:, 1] - eval_time) < SAME_EVAL_TIME, 0].tolist()
     return frames
 
 
@@ -116,7 +116,7 @@ def pose_at(obj: bpy.types.Object, frame: float) -> int | None:
     timeline = keyed(obj.data.shape_keys)
     for value in timeline[np.abs(timeline[:, 0] - frame) < SAME_FRAME, 1]:
         for index, pose in enumerate(obj.planar.poses):
-            if abs(pose.at - value) < SAME_PLACE:
+            if abs(pose.at - value) < SAME_EVAL_TIME:
                 return index
     return None
 
@@ -145,4 +145,4 @@ def keyed_pose_shown(obj: bpy.types.Object, frame: float) -> bpy.types.ShapeKey 
         return None
     at = obj.planar.poses[pose].at
     keys = obj.data.shape_keys
-    return block_at(keys, at) if abs(keys.eval_time - at) < SAME_PLACE else None
+    return block_at(keys, at) if abs(keys.eval_time - at) < SAME_EVAL_TIME else None

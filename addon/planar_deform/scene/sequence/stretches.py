@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 
 from ...model.timing.order_of_time import Entry, frames_between, in_order
-from ...model.timing.played_curve import SAME_PLACE, visits
+from ...model.timing.played_curve import SAME_EVAL_TIME, visits
 from ..storage.digests import digest, of_block
 from ..storage.points import bits
 from . import pose_state
 from .playback import Block, blocks_of, whole
-from .pose_blocks import SPACING, block_at, keyed, places
+from .pose_blocks import SPACING, block_at, eval_times, keyed
 
 
 @dataclass(frozen=True)
@@ -24,22 +24,22 @@ class Stretch:
     """A block of the played range that is not generated, and the generated ones behind it."""
 
     start: Block
-    samples: list[Block]
+    inbetweens: list[Block]
 
 
 def stretches(obj: bpy.types.Object) -> list[Stretch]:
     """The played range as it is."""
     found: list[Stretch] = []
     for block in blocks_of(obj):
-        if block.sample:
-            found[-1].samples.append(block)
+        if block.inbetween:
+            found[-1].inbetweens.append(block)
         else:
             found.append(Stretch(block, []))
     return found
 
 
 def entries_of(obj: bpy.types.Object, starts: Sequence[float]) -> list[Entry]:
-    """The blocks at these places in the order in which the curve plays them."""
+    """The blocks at these eval_times in the order in which the curve plays them."""
     return in_order(len(starts), visits(keyed(obj.data.shape_keys), starts))
 
 
@@ -48,12 +48,14 @@ class Stamps:
 
     def __init__(self, obj: bpy.types.Object):
         self._obj = obj
-        present = set(whole(places(obj.data.shape_keys)).tolist())  # a block may have been removed by hand
+        present = set(
+            whole(eval_times(obj.data.shape_keys)).tolist()
+        )  # a block may have been removed by hand
         self._names = {pose.name: pose for pose in obj.planar.poses if pose.at in present}
 
-    def digest(self, place: float) -> str:
-        """Of the bits of the block at a place."""
-        return of_block(self._obj, place, lambda: self._bits(place))
+    def digest(self, eval_time: float) -> str:
+        """Of the bits of the block at an eval_time."""
+        return of_block(self._obj, eval_time, lambda: self._bits(eval_time))
 
     def original(self, pose: bpy.types.PropertyGroup) -> bpy.types.PropertyGroup | None:
         """The pose that this one repeats; None if it is one of its own, or has been made that."""
@@ -76,8 +78,8 @@ class Stamps:
         made_from = (*chain, self.digest(0.0), str(turns), path, str(smooth))
         return digest("|".join(made_from).encode())
 
-    def _bits(self, place: float) -> bytes:
-        return bits(self._obj, block_at(self._obj.data.shape_keys, place))
+    def _bits(self, eval_time: float) -> bytes:
+        return bits(self._obj, block_at(self._obj.data.shape_keys, eval_time))
 
 
 def has_inbetweens(obj: bpy.types.Object) -> bool:
@@ -114,7 +116,7 @@ class _Played:
 
     def __init__(self, obj: bpy.types.Object):
         self._way = obj.planar.anchor_path, obj.planar.smooth
-        self._present = whole(places(obj.data.shape_keys))
+        self._present = whole(eval_times(obj.data.shape_keys))
         present = set(self._present.tolist())
         self._stamps = Stamps(obj)
         self.indices = [index for index, pose in enumerate(obj.planar.poses) if pose.at in present]
@@ -139,7 +141,7 @@ class _Played:
             return False  # they are to be put in the order of time
         if self._renewed[number] or self._renewed[number + 1]:
             return False
-        low, high = np.searchsorted(self._present, (pose.at + SAME_PLACE, following.at))
+        low, high = np.searchsorted(self._present, (pose.at + SAME_EVAL_TIME, following.at))
         between = self._present[low:high]
         generated = pose.at + SPACING * np.arange(1, pose.generated + 1)
         if pose.edited and np.isin(between, generated).any() and pose.stamp == self.stamp(number):

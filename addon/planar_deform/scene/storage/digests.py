@@ -12,12 +12,12 @@ from . import changes
 
 CAPACITY = 8  # objects
 
-# By the object's session_uid: since when nothing has changed, and the digests by the shape key's place.
+# By the object's session_uid: since when nothing has changed, and the digests by the shape key's eval_time.
 _known: dict[int, tuple[changes.Edits, dict[float, str]]] = {}
 
 
-def of_block(obj: bpy.types.Object, place: float, read: Callable[[], bytes]) -> str:
-    """The digest of the shape key of an object at a place; `read` gives its bits."""
+def of_block(obj: bpy.types.Object, eval_time: float, read: Callable[[], bytes]) -> str:
+    """The digest of the shape key of an object at an eval_time; `read` gives its bits."""
     edits, known = changes.edits(obj), _known.pop(obj.session_uid, None)
     if known is None or known[0] != edits:
         known = edits, {}
@@ -25,9 +25,9 @@ def of_block(obj: bpy.types.Object, place: float, read: Callable[[], bytes]) -> 
             _known.pop(next(iter(_known)))
     _known[obj.session_uid] = known  # as the last one asked for
     digests = known[1]
-    if place not in digests:
-        digests[place] = digest(read())
-    return digests[place]
+    if eval_time not in digests:
+        digests[eval_time] = digest(read())
+    return digests[eval_time]
 
 
 def digest(data: bytes) -> str:

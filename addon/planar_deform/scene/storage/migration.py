@@ -4,7 +4,7 @@
 Two numbers are stored, each with what it is of:
 
     Object.planar.version    pins, settings, the list of poses with all stamps and digests in it, and with it
-                             the names and places of the shape keys and the curve that the list is about
+                             the names and eval_times of the shape keys and the curve that the list is about
     Mesh.planar_version      the rest shape, which is the mesh's attributes REST and OWNER
 
 0 is what was stored before there were numbers. Whatever is stored gets its number at once; where nothing is,

@@ -40,10 +40,10 @@ def write(obj: bpy.types.Object, shape: Array32) -> None:
     start = 0
     for spline in obj.data.splines:
         rows = shape[start : start + len(spline.points)]
-        places = np.empty((len(rows), 4), np.float32)
-        spline.points.foreach_get("co", places.ravel())
-        places[:, :3] = rows[:, :3]
-        spline.points.foreach_set("co", places.ravel())
+        coordinates = np.empty((len(rows), 4), np.float32)
+        spline.points.foreach_get("co", coordinates.ravel())
+        coordinates[:, :3] = rows[:, :3]
+        spline.points.foreach_set("co", coordinates.ravel())
         _set_fields(spline.points, rows)
         start += len(rows)
 
@@ -89,9 +89,9 @@ def _coordinates(block: bpy.types.ShapeKey) -> bpy.types.bpy_prop_collection:
 
 def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3) -> Array32:
     result = np.empty((len(points), size + len(fields)), np.float32)
-    places = np.empty(len(points) * size, np.float32)
-    points.foreach_get("co", places)
-    result[:, :size] = places.reshape(-1, size)
+    coordinates = np.empty(len(points) * size, np.float32)
+    points.foreach_get("co", coordinates)
+    result[:, :size] = coordinates.reshape(-1, size)
     for column, field in enumerate(fields, size):
         values = np.empty(len(points), np.float32)
         points.foreach_get(field, values)

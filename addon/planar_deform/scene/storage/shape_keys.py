@@ -28,7 +28,7 @@ def refusal(obj: bpy.types.Object) -> str | None:
     keys = obj.data.shape_keys
     if keys is None:
         return None
-    if not keys.use_relative and obj.planar.poses:  # which are found by the places of their keys
+    if not keys.use_relative and obj.planar.poses:  # which are found by the eval_times of their keys
         return "The shape keys of the poses have been re-timed: undo Re-Time Shape Keys"
     if not keys.use_relative:
         return "Absolute shape keys cannot be posed: turn on Relative in the Shape Keys panel"

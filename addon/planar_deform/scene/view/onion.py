@@ -42,7 +42,7 @@ class Onion:
 
 @dataclass(frozen=True)
 class _Kept:
-    places: tuple[float | None, float | None]  # of the two poses
+    eval_times: tuple[float | None, float | None]  # of the two poses
     changed: changes.Edits
     onion: Onion
 
@@ -62,15 +62,17 @@ def of_active(context: bpy.types.Context) -> Onion | None:
     before, behind = around(obj, context.scene.frame_current_final)
     if before is None and behind is None:
         return None
-    places = None if before is None else before.at, None if behind is None else behind.at
+    eval_times = None if before is None else before.at, None if behind is None else behind.at
     kept, changed = _kept.get(obj.session_uid), changes.edits(obj)
     current = kept is not None and kept.changed == changed
-    if kept is None or kept.places != places or not (current or snapshot.following(obj)):
+    if kept is None or kept.eval_times != eval_times or not (current or snapshot.following(obj)):
         try:
             onion = Onion(outline(obj), _shape(obj, before), _shape(obj, behind))
         except Refusal:
             return None  # the panel says what is wrong
-        kept = _Kept(places, changed, kept.onion if kept is not None and kept.onion.same(onion) else onion)
+        kept = _Kept(
+            eval_times, changed, kept.onion if kept is not None and kept.onion.same(onion) else onion
+        )
         _kept[obj.session_uid] = kept
         if len(_kept) > CAPACITY:
             _kept.popitem(last=False)

@@ -3,7 +3,7 @@
 
 Reading a mesh takes milliseconds, so each object is read once, and what was read is kept until Blender says
 that this object's shape has changed, whatever else does. Then, and when its transform, a pin or a setting is
-another one, only what depends on that is made anew: see _State, CutoutReading and SceneCutout. While a drag
+another one, only what depends on that is made anew: see _State, CutoutReading and CutoutObject. While a drag
 is on, the drag itself tells where everything of its object is.
 """
 
@@ -22,9 +22,9 @@ from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array, Indices
 from ...model.posing.pins import Holder
-from ...model.posing.pose_action import PinResult
+from ...model.posing.posing import PinResult
 from ..objects import cutout_reading
-from ..objects.cutout_object import SceneCutout, pose_refusal
+from ..objects.cutout_object import CutoutObject, pose_refusal
 from ..objects.cutout_reading import CutoutReading
 from ..pins import pin_list
 from ..storage import changes
@@ -51,7 +51,7 @@ class Snapshot:
 
     pins: tuple[PinPlace, ...] = ()
     edges: Indices = field(default_factory=lambda: NO_EDGES)  # of the mesh
-    shape: tuple[SceneCutout, Array] | None = None  # the cutout and its positions, n x 2
+    shape: tuple[CutoutObject, Array] | None = None  # the cutout and its positions, n x 2
     refusal: str | None = None  # why the object cannot be posed, and what to do; then there is nothing else
 
     def pin(self, key: int) -> PinPlace | None:
@@ -63,8 +63,8 @@ class Snapshot:
         """World positions of the cutout's vertices, n x 3."""
         if self.shape is None:
             return np.empty((0, 3))
-        scene, positions = self.shape
-        return scene.to_world(positions, scene.cutout.parts)
+        drawing, positions = self.shape
+        return drawing.to_world(positions, drawing.cutout.parts)
 
     @property
     def triangles(self) -> Indices:
@@ -76,8 +76,8 @@ class Snapshot:
         """Of the shown shape."""
         if self.shape is None:
             return None
-        scene, positions = self.shape
-        return native.distortion(scene.cutout.rest, positions, scene.cutout.triangles)
+        drawing, positions = self.shape
+        return native.distortion(drawing.cutout.rest, positions, drawing.cutout.triangles)
 
     @cached_property
     def worst(self) -> tuple[float, float]:
@@ -110,7 +110,7 @@ class _Made:
     """What a snapshot was made from; much of it will be the same in the next one."""
 
     reading: CutoutReading
-    scene: SceneCutout
+    drawing: CutoutObject
     holders: list[Holder]
     edges: Indices | None  # None unless they are shown
 
@@ -144,15 +144,15 @@ def of_active(context: bpy.types.Context) -> Snapshot | None:
     return kept.snapshot
 
 
-def follow(scene: SceneCutout, positions: Array, results: Iterable[PinResult]) -> None:
+def follow(drawing: CutoutObject, positions: Array, results: Iterable[PinResult]) -> None:
     """A drag is on: show this of its object until `release`, whatever Blender's updates say."""
-    uid = scene.session_uid
+    uid = drawing.session_uid
     kept = _kept.get(uid)
     shown = kept.snapshot if kept is not None and uid in _followed else None
-    edges = _edges(scene.resolve(), scene) if shown is None else shown.edges
+    edges = _edges(drawing.resolve(), drawing) if shown is None else shown.edges
     _followed.add(uid)
-    snapshot = Snapshot(_places(scene, results), edges, (scene, positions))
-    _keep(uid, _Kept(scene.object_name, snapshot, None, None if kept is None else kept.made))
+    snapshot = Snapshot(_places(drawing, results), edges, (drawing, positions))
+    _keep(uid, _Kept(drawing.object_name, snapshot, None, None if kept is None else kept.made))
 
 
 def following(obj: bpy.types.Object) -> bool:
@@ -209,43 +209,43 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
     try:
         if current is None:
             reading = cutout_reading.read(obj, groups=state.pinned, before=old.reading if old else None)
-            scene = SceneCutout(obj, reading, old.scene if old else None)
+            drawing = CutoutObject(obj, reading, old.drawing if old else None)
         else:
             reading = current.reading
-            scene = current.scene.carried(obj) or SceneCutout(obj, reading, current.scene)
+            drawing = current.drawing.carried(obj) or CutoutObject(obj, reading, current.drawing)
     except Refusal as refusal:
         return _Kept(obj.name, Snapshot(refusal=str(refusal)), state, None)
-    holders = pin_list.bound_pins(obj, scene, reading.groups, old.holders if old else ())
+    holders = pin_list.bound_pins(obj, drawing, reading.groups, old.holders if old else ())
     edges = None if current is None else current.edges
     if not state.show_mesh or edges is None:
-        edges = _edges(obj, scene)
-    snapshot = Snapshot(_places(scene, _results(scene, holders)), edges, (scene, scene.positions))
-    made = _Made(reading, scene, holders, edges if state.show_mesh else None)
+        edges = _edges(obj, drawing)
+    snapshot = Snapshot(_places(drawing, _results(drawing, holders)), edges, (drawing, drawing.positions))
+    made = _Made(reading, drawing, holders, edges if state.show_mesh else None)
     return _Kept(obj.name, snapshot, state, made)
 
 
-def _results(scene: SceneCutout, holders: Iterable[Holder]) -> Iterator[PinResult]:
+def _results(drawing: CutoutObject, holders: Iterable[Holder]) -> Iterator[PinResult]:
     for holder in holders:
-        pin, place = holder.pin, holder.place(scene.positions)
+        pin, place = holder.pin, holder.place(drawing.positions)
         target = place if pin.target is None else pin.target
-        angle = holder.fitted_angle(scene.positions) if pin.kind == "PATCH" else 0.0
+        angle = holder.fitted_angle(drawing.positions) if pin.kind == "PATCH" else 0.0
         yield PinResult(pin.key, holder.part, target, place, angle)
 
 
-def _edges(obj: bpy.types.Object, scene: SceneCutout) -> Indices:
+def _edges(obj: bpy.types.Object, drawing: CutoutObject) -> Indices:
     """The mesh's own edges, e x 2 in the cutout's indices, without loose ones; none unless they are shown."""
     if not obj.planar.show_mesh:
         return NO_EDGES
-    edges = scene.rows_of(edge_vertices(obj.data))
+    edges = drawing.rows_of(edge_vertices(obj.data))
     found: Indices = edges[(edges >= 0).all(axis=1)]
     return found
 
 
-def _places(scene: SceneCutout, results: Iterable[PinResult]) -> tuple[PinPlace, ...]:
+def _places(drawing: CutoutObject, results: Iterable[PinResult]) -> tuple[PinPlace, ...]:
     pins = []
     for result in results:
         part = np.array([result.part, result.part], np.int32)
-        place, target = scene.to_world(np.array([result.reached, result.target]), part)
-        turned = scene.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
+        place, target = drawing.to_world(np.array([result.reached, result.target]), part)
+        turned = drawing.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
         pins.append(PinPlace(result.key, place, target, turned, result.angle))
     return tuple(pins)

@@ -7,7 +7,7 @@ from cutouts import grid_cutout, pin
 
 from planar_deform.model.input.recording import Poses, Recording, smoothed
 from planar_deform.model.posing import solver_cache
-from planar_deform.model.posing.pose_action import PoseAction
+from planar_deform.model.posing.posing import Posing
 
 
 def test_frames_lie_between_samples_in_proportion_to_time():
@@ -53,7 +53,7 @@ def test_short_paths_and_any_smoothing_are_fine(count, frames):
 )
 def test_kept_poses_are_every_step_and_the_last(frame_step, kept):
     cutout = grid_cutout(8, 3)
-    action = PoseAction(
+    posing = Posing(
         cutout,
         cutout.rest,
         [pin([9], key=0), pin([17], key=1)],
@@ -64,8 +64,8 @@ def test_kept_poses_are_every_step_and_the_last(frame_step, kept):
     poses = Poses(path, frame_step)
     assert poses.share == 0.0
     for sample in poses.samples:
-        action.move(*sample)
-        poses.seen(action.solved())
+        posing.move(*sample)
+        poses.seen(posing.solved())
     assert poses.share == 1.0
     assert list(poses.by_frame) == kept
     for frame, positions in poses.by_frame.items():

@@ -9,7 +9,7 @@ import pytest
 from cutouts import grid_cutout, pin
 
 from planar_deform.model.posing import solver_cache, solving
-from planar_deform.model.posing.pose_action import PoseAction, carried_path
+from planar_deform.model.posing.posing import Posing, carried_path
 from planar_deform.model.posing.solving import Solving, StoppedError
 
 SECONDS = 30.0  # that a loaded machine may take for what takes milliseconds
@@ -25,7 +25,7 @@ def _nothing_goes_on():
 def pose_action(make_poser=None):
     cutout = grid_cutout(12, 4)
     make_poser = make_poser or partial(solver_cache.poser_for, 1, cutout, "hold", cutout.rest)
-    return PoseAction(cutout, cutout.rest, [pin([26], key=0), pin([38], key=1)], {1}, make_poser)
+    return Posing(cutout, cutout.rest, [pin([26], key=0), pin([38], key=1)], {1}, make_poser)
 
 
 class Gate:
@@ -194,7 +194,7 @@ def test_waiting_gives_up_in_time(gated):
 
 
 def test_the_next_thread_waits_for_the_step_of_the_one_before(gated):
-    """Both have the same solver: a stray step would move it under the next action."""
+    """Both have the same solver: a stray step would move it under the next posing."""
     task, gate = gated
     task.ask((0.1, 0.0, 0.0))
     entered(gate)

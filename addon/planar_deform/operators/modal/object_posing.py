@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One action of posing: the model's, with the object it is read from and written to."""
+"""A posing in Blender: the model's, with the object it is read from and written to."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array
 from ...model.posing import solver_cache, solving
 from ...model.posing.pins import Holder
-from ...model.posing.pose_action import PoseAction, Sample, Solved
+from ...model.posing.posing import Posing, Sample, Solved
 from ...scene.objects import modifiers
 from ...scene.objects.cutout_object import begin
 from ...scene.pins import pin_list
@@ -36,7 +36,7 @@ def selection_on_click(selected: set[int], pin: int, extend: bool) -> set[int]:
     return selected ^ {pin} if extend else {pin}
 
 
-class SceneAction:
+class ObjectPosing:
     """Begins on the active object; is moved any number of times; then is kept or taken back.
 
     Nothing but the selection changes before the first move. Between events only names and arrays are kept.
@@ -56,7 +56,7 @@ class SceneAction:
 
         Raises Refusal, with nothing changed.
         """
-        self.scene = begin(context, unkeyed=unkeyed)
+        self.drawing = begin(context, unkeyed=unkeyed)
         obj = context.object
         covered = modifiers.covering(obj)
         if covered is not None:
@@ -67,43 +67,45 @@ class SceneAction:
         pin_list.sync(obj)
         self._key = obj.session_uid
         self._method = settings.method.lower()
-        self._pins = pin_list.model_pins(obj, self.scene)
+        self._pins = pin_list.model_pins(obj, self.drawing)
         if settling and not any(pin.enabled for pin in self._pins):
             raise Refusal("No pin is on and holds vertices: add or enable one in the Planar tab")
         self._selected_before = {index for index, pin in enumerate(settings.pins) if pin.select}
         self._active_before = settings.active_pin
         self._pressed, self._extend = pressed, extend
         self._wrote = False
-        self._pose: PoseAction | None = None
+        self._model: Posing | None = None
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
         self._settling = settling
-        self._pivot = None if pivot is None else self.scene.from_world(np.array([pivot], dtype=np.float64))[0]
+        self._pivot = (
+            None if pivot is None else self.drawing.from_world(np.array([pivot], dtype=np.float64))[0]
+        )
         if pressed >= 0:
             settings.active_pin = pressed
             self._select(self._moving)
 
     @property
-    def pose(self) -> PoseAction:
-        """The model's action, made when first needed. Raises Refusal if no selected pin can be moved."""
-        if self._pose is None:
+    def model(self) -> Posing:
+        """The model's posing, made when first needed. Raises Refusal if no selected pin can be moved."""
+        if self._model is None:
             usable = {pin.key for pin in self._pins if pin.enabled}
             moving = set() if self._settling else self._moving & usable
             if not self._settling and not self._moving:
                 raise Refusal("No pins are selected: click one first")
             if not self._settling and not moving:
                 raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
-            positions, cutout = self.scene.positions, self.scene.cutout
+            positions, cutout = self.drawing.positions, self.drawing.cutout
             make_poser = partial(solver_cache.poser_for, self._key, cutout, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
-            self._pose = PoseAction(cutout, positions, self._pins, moving, make_poser, self._pivot)
-        return self._pose
+            self._model = Posing(cutout, positions, self._pins, moving, make_poser, self._pivot)
+        return self._model
 
     def part(self) -> int:
         """The part of the cutout in whose plane the mouse moves: the pressed pin's, else a moving one's."""
         chosen = [pin for pin in self._pins if pin.key == self._pressed]
         chosen += [pin for pin in self._pins if pin.key in self._moving]
-        return int(self.scene.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
+        return int(self.drawing.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
 
     def run(self, path: list[Sample], *, settle: bool) -> None:
         """Take the pins along a path, here and now, and end with what is reached.
@@ -112,7 +114,7 @@ class SceneAction:
         """
         try:
             self.solve(path, settle=settle)
-            solved = self.pose.solved()
+            solved = self.model.solved()
             self._write(solved.positions)
             self.finish(solved)
         except Exception:
@@ -131,13 +133,13 @@ class SceneAction:
         manager.progress_begin(0, len(path))
         try:
             for count, sample in enumerate(path):
-                self.pose.move(*sample)
+                self.model.move(*sample)
                 if seen is not None:
-                    seen(self.pose.solved())
+                    seen(self.model.solved())
                 if len(path) > SHORT:
                     manager.progress_update(count)
             if settle:
-                self.pose.settle()
+                self.model.settle()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
         finally:
@@ -147,24 +149,24 @@ class SceneAction:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
         self._write(solved.positions)
         results = [*solved.results, *pin_list.carried(self._off, solved.positions)]
-        snapshot.follow(self.scene, solved.positions, results)
+        snapshot.follow(self.drawing, solved.positions, results)
 
     def keep(self, solved: Solved) -> None:
         """Let the pins hold the drawing where this, which is shown, left it."""
-        pin_list.store_results(self.scene.resolve(), self.scene, solved.results)
+        pin_list.store_results(self.drawing.resolve(), self.drawing, solved.results)
 
     def finish(self, solved: Solved) -> None:
         """End it with this, which is shown; auto-key keys it."""
         self.keep(solved)
-        if bpy.context.object == self.scene.resolve():
+        if bpy.context.object == self.drawing.resolve():
             keying.auto_key(bpy.context)
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""
-        obj = self.scene.resolve()
+        obj = self.drawing.resolve()
         if self._wrote:
             self._wrote = False
-            self.scene.restore()
+            self.drawing.restore()
         self._select(self._selected_before)
         obj.planar.active_pin = self._active_before
 
@@ -176,8 +178,8 @@ class SceneAction:
 
     def _write(self, positions: Array) -> None:
         self._wrote = True
-        self.scene.write(positions)
+        self.drawing.write(positions)
 
     def _select(self, wanted: set[int]) -> None:
-        for index, pin in enumerate(self.scene.resolve().planar.pins):
+        for index, pin in enumerate(self.drawing.resolve().planar.pins):
             pin.select = index in wanted

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One action of posing: pins move from where they are, the solver follows."""
+"""One posing: pins move from where they are, the solver follows."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_REFINEMENTS = 100
 
 @dataclass(frozen=True)
 class PinResult:
-    """Where an action left one pin."""
+    """Where a posing left one pin."""
 
     key: int
     part: int  # of the cutout
@@ -37,7 +37,7 @@ class PinResult:
 
 @dataclass(frozen=True)
 class Solved:
-    """What an action has come to."""
+    """What a posing has come to."""
 
     positions: Array  # n x 2
     results: list[PinResult]
@@ -45,7 +45,7 @@ class Solved:
     path: list[Sample]  # that led here
 
 
-class PoseAction:
+class Posing:
     """Moves the pins whose keys are in `moving` by samples since the start; the other enabled pins hold.
 
     `positions` (n x 2) is the shape to start from and `make_poser` gives a solver standing there; it is
@@ -159,7 +159,7 @@ class PoseAction:
 
 
 def _start(holder: Holder, positions: Array) -> tuple[Array, float]:
-    """Where a pin is held at the start of an action: its target, if it has one, else where it is."""
+    """Where a pin is held at the start of a posing: its target, if it has one, else where it is."""
     if holder.pin.target is not None:
         return holder.pin.target, holder.pin.angle
     return holder.place(positions), holder.fitted_angle(positions)

@@ -13,7 +13,7 @@ from cutouts import grid_cutout, pin
 
 from planar_deform.model.plane.cutout import stiffness_of
 from planar_deform.model.posing import solver_cache
-from planar_deform.model.posing.pose_action import RAMP_SAMPLES, PoseAction, carried_path
+from planar_deform.model.posing.posing import RAMP_SAMPLES, Posing, carried_path
 
 
 @pytest.fixture(autouse=True)
@@ -21,9 +21,9 @@ def _no_solvers():
     solver_cache.clear()
 
 
-def action(cutout, pins, moving, positions=None, key=1, **options):
+def posing(cutout, pins, moving, positions=None, key=1, **options):
     positions = cutout.rest if positions is None else positions
-    return PoseAction(
+    return Posing(
         cutout,
         positions,
         pins,
@@ -35,7 +35,7 @@ def action(cutout, pins, moving, positions=None, key=1, **options):
 
 def test_the_moving_pin_follows_and_the_other_holds():
     cutout = grid_cutout(10, 3)
-    posed = action(cutout, [pin([0], key=0), pin([43], key=7)], {7})
+    posed = posing(cutout, [pin([0], key=0), pin([43], key=7)], {7})
     for step in range(1, 11):
         posed.move(0.0, 0.1 * step, 0.0)
     posed.settle()
@@ -48,7 +48,7 @@ def test_the_moving_pin_follows_and_the_other_holds():
 
 
 def test_samples_are_rounded_to_float32_and_kept():
-    posed = action(grid_cutout(4, 4), [pin([0]), pin([24], key=1)], {1})
+    posed = posing(grid_cutout(4, 4), [pin([0]), pin([24], key=1)], {1})
     posed.move(0.1, 1 / 3, 0.2)
     assert posed.path == [(float(np.float32(0.1)), float(np.float32(1 / 3)), float(np.float32(0.2)))]
 
@@ -59,10 +59,10 @@ def test_the_same_samples_give_the_same_bits_whatever_the_solver_did_before():
     path = [(0.1 * k, math.sin(k / 3), 0.05 * k) for k in range(12)]
     results = []
     for before in ((), [(3.0, 1.0, 0.0)] * 3, [(-2.0, 2.0, 0.3)]):
-        warm = action(cutout, pins[:2], {0, 1})
+        warm = posing(cutout, pins[:2], {0, 1})
         for sample in before:
             warm.move(*sample)
-        posed = action(cutout, pins, {1, 2})
+        posed = posing(cutout, pins, {1, 2})
         for sample in path:
             posed.move(*sample)
         results.append(posed.settle())
@@ -72,7 +72,7 @@ def test_the_same_samples_give_the_same_bits_whatever_the_solver_did_before():
 
 def test_pins_turn_about_the_mean_of_their_points():
     cutout = grid_cutout(6, 2)
-    posed = action(cutout, [pin([0]), pin([20], key=1)], {0, 1})
+    posed = posing(cutout, [pin([0]), pin([20], key=1)], {0, 1})
     assert posed.pivot == pytest.approx([3.0, 1.0])
     posed.move(0.0, 0.0, math.pi / 2)
     assert posed.results()[0].target == pytest.approx([4.0, -2.0], abs=1e-6)
@@ -81,7 +81,7 @@ def test_pins_turn_about_the_mean_of_their_points():
 def test_a_patch_alone_turns_about_its_centre_and_keeps_its_turns():
     cutout = grid_cutout(8, 8)
     patch = pin([30, 31, 39, 40], kind="PATCH", angle=6.0, target=np.array([3.5, 3.5]))
-    posed = action(cutout, [patch], {0})
+    posed = posing(cutout, [patch], {0})
     assert posed.pivot == pytest.approx([3.5, 3.5])
     posed.move(0.0, 0.0, 1.0)
     assert posed.results()[0].angle == pytest.approx(7.0)
@@ -90,7 +90,7 @@ def test_a_patch_alone_turns_about_its_centre_and_keeps_its_turns():
 def test_stored_targets_hold_and_missing_ones_are_where_the_mesh_is():
     cutout = grid_cutout(6, 2)
     pins = [pin([0], target=np.array([-0.5, 0.25])), pin([20], key=1), pin([6], key=2, enabled=False)]
-    posed = action(cutout, pins, {1}, positions=cutout.rest + np.array([0.0, 3.0]))
+    posed = posing(cutout, pins, {1}, positions=cutout.rest + np.array([0.0, 3.0]))
     posed.move(0.0, 0.0, 0.0)
     assert [tuple(result.target) for result in posed.results()] == [(-0.5, 0.25), (6.0, 5.0)]
 
@@ -99,7 +99,7 @@ def test_a_pin_that_weighs_more_gives_way_less():
     cutout = grid_cutout(10, 3)
     gaps = []
     for weight in (0.01, 1.0, 100.0):
-        posed = action(cutout, [pin([0], weight=weight), pin([43], key=1)], {1})
+        posed = posing(cutout, [pin([0], weight=weight), pin([43], key=1)], {1})
         posed.move(2.0, 0.0, 0.0)
         gaps.append(np.linalg.norm(posed.results()[0].reached - posed.results()[0].target))
     assert gaps[0] > 3 * gaps[1] > 9 * gaps[2]
@@ -108,7 +108,7 @@ def test_a_pin_that_weighs_more_gives_way_less():
 def test_nothing_that_holds_is_an_error():
     cutout = grid_cutout(3, 3)
     with pytest.raises(ValueError, match="enabled"):
-        action(cutout, [pin([0], enabled=False)], {0})
+        posing(cutout, [pin([0], enabled=False)], {0})
 
 
 def test_a_solver_is_kept_while_mesh_rest_and_stiffness_are_the_same():
@@ -182,6 +182,6 @@ def test_a_path_without_an_end_runs_straight(path):
 
 def test_the_model_never_touches_blender():
     block = "import sys; sys.modules['bpy'] = sys.modules['mathutils'] = None; sys.path[:0] = sys.argv[1:]\n"
-    names = ["plane.rest", "plane.locate", "posing.solver_cache", "posing.pose_action", "input.drag"]
+    names = ["plane.rest", "plane.locate", "posing.solver_cache", "posing.posing", "input.drag"]
     code = block + "".join(f"import planar_deform.model.{name}\n" for name in names)
     subprocess.run([sys.executable, "-c", code, *sys.path], check=True)
