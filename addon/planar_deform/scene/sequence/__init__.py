@@ -10,7 +10,7 @@ Blocks, in the order of their eval_time, which is what the Key's has to be to sh
 
 The Key's `eval_time` has one F-curve with a key for each keyed pose, whose value is that of the pose's block;
 the curve alone says when a pose is shown, so that the user times and eases them in Blender's own editors. A
-pose whose key was duplicated there is shown, and edited, at several frames; one whose key was removed has none.
+pose whose key was duplicated there is shown and edited at several frames; one whose key was removed has none.
 Keys with other values are the user's retiming and stay what they are. `Object.planar.poses` lists the poses
 by the eval_times of their blocks; what else is in the played range is no keyed pose.
 
