@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A first shot, as docs/first_shot.md tells it: an imported drawing, an orthographic camera, mouse and keys."""
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import bpy
+import imported
+import numpy as np
+from cutouts import active, selected
+from harness import Window, addon
+from mathutils import Vector
+from poses import pin_place, shown
+
+UNITS = 0.01  # of a pixel of the drawing
+LAST = 240  # frame: ten seconds
+BELLY, HEAD, LEFT, RIGHT, LEFT_FOOT, RIGHT_FOOT = range(6)  # the pins, in the order in which they are added
+
+
+def on_stage(window: Window) -> Iterator[None]:
+    """What is there before the work begins: the drawing as it was imported, scaled, and the shot's camera."""
+    bpy.context.scene.frame_end = LAST
+    obj = imported.import_doll(Path(tempfile.mkdtemp()))
+    obj.scale = (UNITS,) * 3
+    obj.location = (-imported.WIDTH / 2 * UNITS, 0.0, 0.0)
+    data = bpy.data.cameras.new("Camera")
+    data.type, data.ortho_scale = "ORTHO", 12.0
+    camera = bpy.data.objects.new("Camera", data)
+    camera.location, camera.rotation_euler = (0.0, -20.0, 3.2), (np.pi / 2, 0.0, 0.0)
+    bpy.context.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    shading = window.area.spaces.active.shading
+    shading.light, shading.color_type = "FLAT", "TEXTURE"
+    bpy.ops.ed.undo_push(message="Stage")
+    yield from window.wait(0.3)
+
+
+def at(obj: bpy.types.Object, pixel: Sequence[float]) -> tuple[float, float, float]:
+    """A pixel of the drawing in the world."""
+    x, y, z = obj.matrix_world @ Vector((*pixel, 0.0))
+    return (x, y, z)
+
+
+def take_the_tool(window: Window) -> Iterator[None]:
+    """Click the Pose tool in the toolbar."""
+    region = window.region("TOOLS")
+    for y in range(region.y + region.height - 10, region.y, -12):
+        yield from window.move((region.x + region.width // 2, y))
+        bpy.context.window_manager.clipboard = ""
+        yield from window.key("C", ctrl=True)
+        if "planar.pose_tool" in bpy.context.window_manager.clipboard:
+            yield from window.release("LEFT_CTRL")
+            yield from window.click((region.x + region.width // 2, y))
+            return
+    raise AssertionError("the toolbar shows no Pose tool")
+
+
+def go_to(window: Window, frame: int) -> Iterator[None]:
+    """Click a frame in the timeline."""
+    area = next(area for area in window.window.screen.areas if area.type == "DOPESHEET_EDITOR")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    for _ in range(3):  # a pixel of the timeline may be less than a frame
+        x = region.x + region.view2d.view_to_region(frame, 0, clip=False)[0]
+        yield from window.click((x, region.y + region.height - 12))
+        yield from window.wait(0.2)
+    now = bpy.context.scene.frame_current
+    yield from window.hover(window.pixel((0.0, 0.0, 3.0)))
+    for _ in range(abs(frame - now)):
+        yield from window.key("RIGHT_ARROW" if frame > now else "LEFT_ARROW")
+    assert bpy.context.scene.frame_current == frame
+
+
+def pulled(window: Window, index: int, dx: float, dz: float) -> Iterator[None]:
+    """Drag a pin with the mouse."""
+    x, y, z = pin_place(index)
+    yield from window.drag(window.pixel((x, y, z)), window.pixel((x + dx, y, z + dz)))
+
+
+def flipped(obj: bpy.types.Object) -> int:
+    drawing = addon("scene.objects.cutout_object").read_cutout(obj)
+    found = addon("native").distortion(drawing.cutout.rest, drawing.positions, drawing.cutout.triangles)
+    return int(found.flipped)
+
+
+def test_ten_seconds_by_mouse_and_keys(window: Window) -> Iterator[None]:
+    yield from on_stage(window)
+    obj = active()
+    transform, rest = obj.matrix_world.copy(), shown()
+    yield from window.hover(window.pixel((0.0, 0.0, 3.0)))
+    yield from window.key("NUMPAD_0")  # through the camera
+    yield from window.wait(0.3)
+    assert window.view.view_perspective == "CAMERA"
+    yield from take_the_tool(window)
+    assert window.tool == "planar.pose_tool"
+
+    doll = (
+        imported.BELLY, imported.HEAD, imported.LEFT_HAND, imported.RIGHT_HAND,
+        imported.LEFT_FOOT, imported.RIGHT_FOOT,
+    )  # fmt: skip
+    for count, pixel in enumerate(doll):
+        yield from window.click(window.pixel(at(obj, pixel)), ctrl=True)
+        assert len(obj.planar.pins) == count + 1
+    window.picture("first_shot_pins")
+
+    # The first pose: arms up. Keyed with I, as everything in Blender.
+    yield from pulled(window, LEFT, 0.5, 1.9)
+    yield from pulled(window, RIGHT, -0.4, 2.1)
+    yield from window.key("I")
+    # A squat: the belly goes down, the feet stand.
+    yield from go_to(window, 60)
+    yield from pulled(window, BELLY, 0.0, -0.9)
+    yield from pulled(window, LEFT, -0.8, -2.4)
+    yield from window.key("I")
+    # A jump to the side, by keys and numbers: all pins, G, X, then Z.
+    yield from go_to(window, 120)
+    yield from window.key("A")
+    assert selected() == [0, 1, 2, 3, 4, 5]
+    yield from window.key("G")
+    yield from window.key("X")
+    yield from window.type("1.5")
+    yield from window.confirm()
+    yield from window.key("G")
+    yield from window.key("Z")
+    yield from window.type("1")
+    yield from window.confirm()
+    yield from window.key("I")
+    # A nod: the head alone, turned about the belly's place by the mouse.
+    yield from go_to(window, 180)
+    yield from pulled(window, HEAD, 0.9, -0.3)
+    yield from window.key("I")
+    yield from go_to(window, LAST)
+    yield from window.key("A")
+    yield from window.key("G")
+    yield from window.key("X")
+    yield from window.type("-1.5")
+    yield from window.confirm()
+    yield from window.key("I")
+    assert len(obj.planar.poses) == 5
+    window.picture("first_shot_keyed")
+
+    keyed = {}
+    for frame in (1, 60, 120, 180, LAST):
+        bpy.context.scene.frame_set(frame)
+        keyed[frame] = shown()
+    assert obj.matrix_world == transform, "nothing fell through to the object"
+    yield from window.key("N")
+    yield from window.sidebar()
+    yield from window.push("planar.generate_inbetweens")
+    yield from window.wait(1.0)
+
+    size = float(np.linalg.norm(np.ptp(rest, axis=0)))
+    steps, before = [], None
+    for frame in range(1, LAST + 1):
+        bpy.context.scene.frame_set(frame)
+        now = shown()
+        assert np.isfinite(now).all()
+        assert flipped(obj) == 0, frame
+        if frame in keyed:
+            assert np.abs(now - keyed[frame]).max() < 1e-5 * size, frame
+        if before is not None:
+            steps.append(np.abs(now - before).max() / size)
+        before = now
+    assert 0.001 < max(steps) < 0.05, "it moves, and never jumps"
+    feet = []
+    for frame in range(1, 61):
+        bpy.context.scene.frame_set(frame)
+        feet.append([pin_place(LEFT_FOOT), pin_place(RIGHT_FOOT)])
+    assert np.ptp(np.array(feet), axis=0).max() < 0.005 * size * UNITS, "the feet stand through the squat"
+    bpy.context.scene.frame_set(90)
+    yield from window.wait(0.3)
+    window.picture("first_shot_between")
+
+    # Blender plays it.
+    yield from window.hover(window.pixel((0.0, 0.0, 3.0)))
+    yield from go_to(window, 1)
+    yield from window.key("SPACE")
+    yield from window.wait(1.0)
+    yield from window.key("SPACE")
+    assert bpy.context.scene.frame_current > 1
+    assert window.busy == []
