@@ -112,20 +112,50 @@ def test_a_shared_mesh_but_not_one_with_a_fake_user():
 def test_linked_objects_and_overrides(tmp_path):
     from planar_deform.scene.objects.cutout_object import pose_refusal
 
+    linked = _linked(tmp_path)
+    assert "is linked from a library" in pose_refusal(linked)
+    assert "Make Local > Selected Objects and Data" in pose_refusal(linked)
+    override = linked.override_create()
+    bpy.context.scene.collection.objects.link(override)
+    for obj in (override, _with_an_override_of_its_mesh(linked)):
+        assert "is a library override" in pose_refusal(obj)
+        assert "ends the override" in pose_refusal(obj)
+    activate(override)
+    assert not bpy.ops.planar.reset_to_rest.poll()
+
+
+@pytest.mark.parametrize("override", [False, True])
+def test_what_the_refusal_of_linked_objects_advises_helps(tmp_path, override):
+    from planar_deform.scene.objects.cutout_object import pose_refusal
+
+    obj = _linked(tmp_path)
+    if override:
+        obj = obj.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    activate(obj)
+    assert pose_refusal(obj) is not None
+    bpy.ops.object.make_local(type="SELECT_OBDATA")
+    obj = bpy.context.object
+    assert pose_refusal(obj) is None
+    add_end_pins(obj)
+    assert bpy.ops.planar.drag_pins(offset=(0.1, 0.2)) == {"FINISHED"}
+
+
+def _linked(tmp_path):
+    """An object linked from a library, in the scene."""
     bar(name="Linked")
     library = str(tmp_path / "library.blend")
     bpy.ops.wm.save_as_mainfile(filepath=library)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(library, link=True) as (_, wanted):
         wanted.objects = ["Linked"]
-    linked = wanted.objects[0]
-    bpy.context.scene.collection.objects.link(linked)
-    assert "Make Local" in pose_refusal(linked)
-    override = linked.override_create()
-    bpy.context.scene.collection.objects.link(override)
-    assert "Make Local" in pose_refusal(override)
-    activate(override)
-    assert not bpy.ops.planar.reset_to_rest.poll()
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    return wanted.objects[0]
+
+
+def _with_an_override_of_its_mesh(linked):
+    obj = bpy.data.objects.new("Local", linked.data.override_create())
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
 
 
 def test_operators_say_why_they_do_not_run():

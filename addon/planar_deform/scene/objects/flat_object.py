@@ -16,15 +16,19 @@ from ..storage import migration, points, shape_keys
 from .pose_store import PoseStore
 
 FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
+MAKE_LOCAL = "make it local with Object > Relations > Make Local > Selected Objects and Data"
 
 
 def data_refusal(obj: bpy.types.Object, mode: str) -> str | None:
     """Why an object's mesh or curve cannot be changed in a mode, and what to do; None when it can."""
     data = obj.data
-    if obj.library is not None or data.library is not None:
-        return f"'{obj.name}' is linked from a library: make it local with Object > Relations > Make Local"
     if obj.override_library is not None or data.override_library is not None:
-        return f"'{obj.name}' is a library override: make it local with Object > Relations > Make Local"
+        return (  # its data are linked, as a rule: that alone would not tell the reason
+            f"'{obj.name}' is a library override, whose shape is kept in the library's file alone: pose it "
+            f"there, or {MAKE_LOCAL}, which ends the override"
+        )
+    if obj.library is not None or data.library is not None:
+        return f"'{obj.name}' is linked from a library: pose it in that file, or {MAKE_LOCAL}"
     newer = migration.refusal(obj)
     if newer is not None:
         return newer
