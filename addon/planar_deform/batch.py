@@ -46,9 +46,11 @@ def run(arguments: Sequence[str]) -> int:
             raise Refusal(
                 "The extension Planar Deform is not enabled in this Blender: enable it in the preferences"
             )
-        bpy.context.view_layer.update()
         for name in _objects(options.object):
-            _work(name, options)
+            scene = _scene_of(bpy.data.objects[name])
+            with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
+                bpy.context.view_layer.update()
+                _work(name, options)
         if options.save is not None:
             _save(options.save)
     except Refusal as refusal:
@@ -106,6 +108,12 @@ def _objects(names: Sequence[str] | None) -> list[str]:
 def _has_poses(obj: bpy.types.Object) -> bool:
     ours = obj.library is None and obj.override_library is None
     return ours and obj.type in {"MESH", "CURVE"} and pose_state.has_blocks(obj)
+
+
+def _scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
+    """The scene whose timeline plays the object: the file's active one if it is in that, too."""
+    active = bpy.context.scene
+    return active if active in obj.users_scene or not obj.users_scene else obj.users_scene[0]
 
 
 def _work(name: str, options: argparse.Namespace) -> None:

@@ -81,6 +81,39 @@ def test_it_does_what_the_operators_do(shot, capsys):
     assert all(same(shown_at(obj, frame), shape) for frame, shape in enumerate(shown, 1))
 
 
+def test_an_object_of_another_scene_is_baked_with_the_timeline_of_that(shot, capsys):
+    """The file is saved with a scene in front that the object is not in."""
+    obj = opened(shot)["One"]
+    other = bpy.data.scenes.new("Other")
+    other.frame_start, other.frame_end = 5, 13
+    other.frame_set(9)
+    for collection in obj.users_collection:
+        collection.objects.unlink(obj)
+    other.collection.objects.link(obj)
+    arguments = ["--object", "One", "--generate", "--bake", "POINT_CACHE"]
+    code, lines, _ = run(capsys, *arguments)
+    assert code == 0
+    assert "planar: One: baking frames 5 to 13: 100 %" in lines
+    assert obj.modifiers[0].frame_start == 5
+    obj.modifiers[0].show_viewport = False
+    eval_time = obj.data.shape_keys.eval_time
+    other.frame_set(9)
+    assert obj.data.shape_keys.eval_time == eval_time  # it was left as its own scene shows it
+    assert run(capsys, "--object", "One", "--bake", "SHAPES")[0] == 0
+    frames = [pose.frame for pose in obj.planar.poses]
+    assert frames == [1, *range(5, 14), 17]
+
+
+def test_an_object_of_several_scenes_is_baked_with_the_one_in_front(shot, capsys):
+    obj = opened(shot)["One"]
+    other = bpy.data.scenes.new("Another")  # comes first by name
+    other.frame_start, other.frame_end = 5, 13
+    other.collection.objects.link(obj)
+    assert (
+        "planar: One: baking frames 1 to 17: 100 %" in run(capsys, "--object", "One", "--bake", "SHAPES")[1]
+    )
+
+
 def test_one_object_into_a_file_of_its_own(shot, capsys):
     untouched = stored(bpy.data.objects["Two"])
     before = shot.read_bytes()
