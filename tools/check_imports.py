@@ -27,8 +27,8 @@ MAY_IMPORT = {
     "operators": BLENDER | {"compat", "errors", "native", "model", "scene"},
     "ui": BLENDER | {"compat", "errors", "model", "scene"},
     "batch": BLENDER | {"errors", "native", "scene"},
-    "events": BLENDER | {"compat", "model", "operators", "scene"},
-    "registration": BLENDER | {"batch", "events", "operators", "scene", "ui"},
+    "events": BLENDER | {"compat", "errors", "model", "operators", "scene"},
+    "registration": BLENDER | {"batch", "errors", "events", "operators", "scene", "ui"},
     "__init__": frozenset(("registration",)),
 }
 # What is in these rooms may import what comes before it there.

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import bpy
 from bpy.app.handlers import persistent
 
 from . import compat
+from .errors import try_all
 from .model.posing import solver_cache, solving
 from .operators import stiffness
 from .operators.modal import running
@@ -54,8 +56,7 @@ def _after_undo(*_: object) -> None:
 
 
 def _before_load(*_: object) -> None:
-    running.let_go()
-    reset_all()
+    try_all((running.let_go, *RESET))
 
 
 def _on_new_data(*_: object) -> None:
@@ -63,17 +64,18 @@ def _on_new_data(*_: object) -> None:
     migration.migrate_all()
 
 
-def reset_all() -> None:
-    """Keep nothing of the file: its objects go, and others may get their names and identities."""
-    running.stop_clocks()
-    solving.halt()
-    solver_cache.clear()
-    triangulation.forget()
-    changes.tell_all()
-    digests.forget()
-    snapshot.forget()
-    onion.forget()
-    stiffness.forget()
+# Keeps nothing of the file: its objects go, and others may get their names and identities.
+RESET: tuple[Callable[[], None], ...] = (
+    running.stop_clocks,
+    solving.halt,
+    solver_cache.clear,
+    triangulation.forget,
+    changes.tell_all,
+    digests.forget,
+    snapshot.forget,
+    onion.forget,
+    stiffness.forget,
+)
 
 
 HANDLERS: dict[str, Callable[..., None]] = {  # of bpy.app.handlers, by name
@@ -96,9 +98,5 @@ def register() -> None:
 
 def unregister() -> None:
     """Listen no more, end what runs, perhaps in the middle of a drag, and keep nothing."""
-    for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).remove(handler)
-    try:
-        running.end()
-    finally:
-        reset_all()
+    deaf = (partial(getattr(bpy.app.handlers, name).remove, handler) for name, handler in HANDLERS.items())
+    try_all((*deaf, running.end, *RESET))

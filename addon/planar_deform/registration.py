@@ -9,6 +9,7 @@ from functools import partial
 import bpy
 
 from . import batch, events
+from .errors import try_all
 from .operators import (
     bake,
     breakdown,
@@ -82,11 +83,6 @@ def register() -> None:
 
 def unregister() -> None:
     """Leave nothing behind: goes on after a failure, and tells of all in the end."""
-    errors = []
-    while _undo:
-        try:
-            _undo.pop()()
-        except Exception as error:
-            errors.append(error)
-    if errors:
-        raise ExceptionGroup("Not all of the add-on could be turned off", errors)
+    steps = _undo[::-1]
+    _undo.clear()
+    try_all(steps)

@@ -94,6 +94,35 @@ def test_unregistering_goes_on_after_failures_and_tells_of_all(monkeypatch):
     planar_deform.register()
 
 
+@pytest.mark.usefixtures("_registered_again")
+def test_unregistering_goes_on_when_others_have_taken_parts_away():
+    """As an add-on does that clears the handlers of all others."""
+    import planar_deform
+    from planar_deform import events
+    from planar_deform.operators.modal import running
+
+    class Run:
+        ended = False
+
+        def give_way(self):
+            Run.ended = True
+
+        def let_go(self):
+            Run.ended = True
+
+    running.start(Run())
+    first = next(iter(events.HANDLERS))
+    getattr(bpy.app.handlers, first).clear()
+    del bpy.types.Mesh.planar_version
+    with pytest.raises(ExceptionGroup) as raised:
+        planar_deform.unregister()
+    assert [type(error) for error in raised.value.exceptions] == [ValueError, AttributeError]
+    assert registered() == (set(), [])
+    assert Run.ended
+    assert not hasattr(bpy.types.Object, "planar")
+    planar_deform.register()
+
+
 def test_every_operator_has_a_description_and_a_tidy_label():
     for name in dir(bpy.ops.planar):
         rna = getattr(bpy.ops.planar, name).get_rna_type()

@@ -24,7 +24,8 @@ def auto_key(context: bpy.types.Context) -> None:
     """After a posing: key the pose if auto-key is on and what it would key is not keyed already.
 
     As with any property of Blender: a mode that only replaces keys, and the preference to insert keys only
-    where there are some, leave an object without a sequence alone; so does whatever would be refused.
+    where there are some, leave an object without a sequence alone; so does whatever would be refused. Only
+    Active Keying Set keys the pose if the set has the curve of the poses in it.
     """
     obj, tools = context.object, context.scene.tool_settings
     if not tools.use_keyframe_insert_auto:
@@ -37,5 +38,17 @@ def auto_key(context: bpy.types.Context) -> None:
         return
     if not ours and context.preferences.edit.use_keyframe_insert_available:
         return
+    if tools.use_keyframe_insert_keyingset and not _in_keying_set(obj, context.scene.keying_sets_all.active):
+        return
     if pose_state.refusal(obj) is None:
         key_shown(context)
+
+
+def _in_keying_set(obj: bpy.types.Object, keying_set: bpy.types.KeyingSet | None) -> bool:
+    """Whether a keying set, if there is one, lets the object's poses be keyed."""
+    if keying_set is None:
+        return True
+    keys = obj.data.shape_keys
+    return keys is not None and any(
+        path.id == keys and path.data_path == "eval_time" for path in keying_set.paths
+    )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+from functools import partial
 
 import bpy
 from bpy.props import (
@@ -17,11 +18,15 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..errors import Refusal
+from ..errors import Refusal, try_all
 from .objects.any_object import shape_refusal
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
 from .storage import migration
+
+# Blender evaluates none of these: they are read when something is done. Animated, they would only be set back
+# in every frame, and a frame of a pose would move its own key.
+NOT_ANIMATED: set[str] = set()
 
 KINDS = (
     ("POINT", "Point", "Holds one point of the drawing, which stays free to turn there"),
@@ -43,25 +48,43 @@ def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
 class PlanarPin(bpy.types.PropertyGroup):
     """A pin: a vertex group and how it holds the drawing."""
 
-    name: StringProperty(name="Name", description="Label of the pin")
+    name: StringProperty(name="Name", description="Label of the pin", options=NOT_ANIMATED)
     group: StringProperty(
-        name="Vertex Group", description="Vertex group whose vertices the pin holds", update=_let_go
+        name="Vertex Group",
+        description="Vertex group whose vertices the pin holds",
+        update=_let_go,
+        options=NOT_ANIMATED,
     )
     group_index: IntProperty(default=-1, options={"HIDDEN"})
     owns_group: BoolProperty(options={"HIDDEN"})  # the group was made for this pin and goes with it
-    kind: EnumProperty(name="Kind", description="How the pin holds the drawing", items=KINDS, update=_let_go)
-    enabled: BoolProperty(name="Enabled", description="Let this pin hold the drawing", default=True)
+    kind: EnumProperty(
+        name="Kind",
+        description="How the pin holds the drawing",
+        items=KINDS,
+        update=_let_go,
+        options=NOT_ANIMATED,
+    )
+    enabled: BoolProperty(
+        name="Enabled", description="Let this pin hold the drawing", default=True, options=NOT_ANIMATED
+    )
     weight: FloatProperty(
         name="Weight",
         description="How strongly this pin holds, relative to the others",
         default=1.0,
         min=0.001,
+        options=NOT_ANIMATED,
     )
     select: BoolProperty(
-        name="Selected", description="Moved and turned together with the other selected pins"
+        name="Selected",
+        description="Moved and turned together with the other selected pins",
+        options=NOT_ANIMATED,
     )
     angle: FloatProperty(
-        name="Angle", description="Turn of a patch from rest", subtype="ANGLE", unit="ROTATION"
+        name="Angle",
+        description="Turn of a patch from rest",
+        subtype="ANGLE",
+        unit="ROTATION",
+        options=NOT_ANIMATED,
     )
     # Object-local: where the pin was asked to be, and where the last posing left it.
     has_target: BoolProperty(options={"HIDDEN"})
@@ -91,14 +114,19 @@ def _retime(pose: PlanarPose, frame: float) -> None:
 class PlanarPose(bpy.types.PropertyGroup):
     """A keyed pose of the object's sequence."""
 
-    name: StringProperty(name="Name", description="Name of the pose and its shape key", update=_rename_block)
+    name: StringProperty(
+        name="Name",
+        description="Name of the pose and its shape key",
+        update=_rename_block,
+        options=NOT_ANIMATED,
+    )
     at: FloatProperty(options={"HIDDEN"})  # the eval_time of its shape key on the curve, see scene/sequence/
     frame: FloatProperty(
         name="Frame",
         description="Frame at which the pose is shown: the first of its keys on the curve",
         get=_frame_of,
         set=_retime,
-        options=set(),  # an animated one would move its own key in every frame
+        options=NOT_ANIMATED,
         step=100,
         precision=0,
     )
@@ -116,7 +144,7 @@ class PlanarPose(bpy.types.PropertyGroup):
         max=100,
         soft_min=-3,
         soft_max=3,
-        options=set(),
+        options=NOT_ANIMATED,
     )
     copy_of: StringProperty(options={"HIDDEN"})  # the pose that it repeats at a later time
     copied: StringProperty(options={"HIDDEN"})  # stamp of that when it was copied
@@ -132,7 +160,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
 
     version: IntProperty(options={"HIDDEN"})  # see storage/migration.py
     pins: CollectionProperty(type=PlanarPin)
-    active_pin: IntProperty(name="Active Pin", description="Pin shown in the panel")
+    active_pin: IntProperty(name="Active Pin", description="Pin shown in the panel", options=NOT_ANIMATED)
     group_count: IntProperty(options={"HIDDEN"})  # vertex groups when the pins were last matched to them
     method: EnumProperty(
         name="Method",
@@ -152,6 +180,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
             ),
         ),
         update=_number,
+        options=NOT_ANIMATED,
     )
     pin_weight: FloatProperty(
         name="Pin Weight",
@@ -160,6 +189,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
         min=1e-3,
         soft_max=10.0,
         update=_number,
+        options=NOT_ANIMATED,
     )
     stiffness_group: StringProperty(
         name="Stiffness",
@@ -168,6 +198,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
             "at 1 a hundred times as stiff, at 0 a hundred times as soft"
         ),
         update=_number,
+        options=NOT_ANIMATED,
     )
     stiffness_index: IntProperty(default=-1, options={"HIDDEN"})
     # What of the stiffness the shape shown was solved with, as stiffness.stamp() tells it; empty: unknown.
@@ -181,12 +212,18 @@ class PlanarSettings(bpy.types.PropertyGroup):
             ("ANGLE", "Angle", "How much each triangle has changed its shape"),
         ),
         update=_number,
+        options=NOT_ANIMATED,
     )
     show_mesh: BoolProperty(
-        name="Mesh Edges", description="Show the edges of the mesh in the Pose tool", update=_number
+        name="Mesh Edges",
+        description="Show the edges of the mesh in the Pose tool",
+        update=_number,
+        options=NOT_ANIMATED,
     )
     poses: CollectionProperty(type=PlanarPose)
-    active_pose: IntProperty(name="Active Pose", description="Pose that the panel's buttons act on")
+    active_pose: IntProperty(
+        name="Active Pose", description="Pose that the panel's buttons act on", options=NOT_ANIMATED
+    )
     show_onion: BoolProperty(
         name="Onion Skin",
         description=(
@@ -194,18 +231,19 @@ class PlanarSettings(bpy.types.PropertyGroup):
             "but not while the timeline plays"
         ),
         update=_number,
+        options=NOT_ANIMATED,
     )
     anchor_path: EnumProperty(
         name="Path",
         description="Way from pose to pose of planted pins, else of all pins, else of the middle",
         items=PATHS,
-        options=set(),
+        options=NOT_ANIMATED,
         update=_number,
     )
     smooth: BoolProperty(
         name="Smooth",
         description="Pass through the poses without a change of speed or direction there",
-        options=set(),
+        options=NOT_ANIMATED,
         update=_number,
     )
     # The active shape key when the sequence was begun; negative: there were none.
@@ -225,5 +263,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Removes them."""
-    del bpy.types.Mesh.planar_version
-    del bpy.types.Object.planar
+    try_all(
+        partial(delattr, owner, name)
+        for owner, name in ((bpy.types.Mesh, "planar_version"), (bpy.types.Object, "planar"))
+    )
