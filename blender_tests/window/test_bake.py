@@ -95,6 +95,46 @@ def test_another_file_is_replaced_only_when_that_is_confirmed(window: Window) ->
     assert samples(path) == 25
 
 
+def test_a_long_bake_over_another_file_runs_on_and_can_be_ended(window: Window) -> Iterator[None]:
+    """Once Replace is confirmed: with progress, Esc, and one undo step in the end."""
+    folder = yield from shot(window, last=200_000)
+    path = folder / "Sheet_planar.pc2"
+    path.write_bytes(b"precious")
+    yield from window.hover(window.pixel((0, 0, 0)))
+    press(window, "POINT_CACHE")
+    yield from window.wait(0.5)
+    yield from window.key("RET")
+    yield from window.wait(0.3)
+    assert window.busy == ["PLANAR_OT_bake"]
+    window.picture("replacing")
+    yield from window.key("ESC")
+    assert window.busy == []
+    assert path.read_bytes() == b"precious"
+    assert not active().modifiers
+    bpy.context.scene.frame_end = 2000
+    press(window, "POINT_CACHE")
+    yield from window.wait(0.5)
+    yield from window.key("RET")
+    while window.busy:
+        yield
+    assert samples(path) == 2000
+    assert addon("operators.modal.running").now() is None
+    with window.context():  # what a change in the redo panel does
+        operator = bpy.context.window_manager.operators[-1]
+        assert operator.bl_idname == "PLANAR_OT_bake"
+        operator.frame_step = 2
+        assert bpy.ops.ed.undo_redo("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert window.busy == []
+    assert samples(path) == 1000
+    yield from window.wait(0.3)
+    yield from window.undo()
+    yield from window.wait(0.3)
+    assert not active().modifiers
+    yield from window.redo()
+    yield from window.wait(0.3)
+    assert len(active().modifiers) == 1
+
+
 def test_relative_keys_are_one_undo_step(window: Window) -> Iterator[None]:
     yield from shot(window, last=25)
     assert press(window, "RELATIVE_KEYS") == {"FINISHED"}

@@ -55,6 +55,8 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    _asked = False  # whether a file may be replaced
+
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
         return bake.refusal(context.object)
@@ -68,7 +70,7 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
         obj = context.object
         self._complete(context)
         if self.to == "POINT_CACHE" and not self.replace and point_cache.is_foreign(obj, self.filepath):
-            self.replace = True
+            self.replace = self._asked = True
             asked: set[str] = context.window_manager.invoke_confirm(
                 self,
                 event,
@@ -78,6 +80,12 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
             )
             return asked
         return super().invoke(context, event)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        if self._asked:  # the question has been answered by yes: Blender goes on here, and not with invoke()
+            self._asked = False
+            return self.start(context)
+        return super().execute(context)
 
     def cancel(self, context: bpy.types.Context) -> None:
         if hasattr(self, "_run"):  # it is not the question that has been answered by no

@@ -123,6 +123,10 @@ class LongOperator(ShapeOperator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if context.window is None:  # in background
             return self.execute(context)
+        return self.start(context)
+
+    def start(self, context: bpy.types.Context) -> set[str]:
+        """Do it while the window goes on."""
         running.end()
         try:
             self._run = LongRun(self.job(context))
