@@ -23,19 +23,18 @@ CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
 
-def pack_path(path: list[Sample]) -> str:
-    """Samples, which are float32 already, as text for a property."""
-    return base64.b64encode(np.asarray(path, "<f4").tobytes()).decode("ascii")
+# What a script may give as a path. That of the mouse is kept beside the properties: Info shows all of these.
+PATH = "Way of the pins: base64 of little-endian float32 triples, the offset and the turn from the start"
 
 
 def unpack_path(text: str) -> list[Sample]:
-    """The samples of `pack_path`. Raises Refusal if the text is anything else."""
+    """The samples of a PATH. Raises Refusal if the text is anything else."""
     try:
         samples = np.frombuffer(base64.b64decode(text, validate=True), "<f4").reshape(-1, 3)
     except (binascii.Error, ValueError) as error:
-        raise Refusal("The path is not one that a drag recorded: leave it empty") from error
+        raise Refusal("The path is not base64 of float32 triples: leave it empty") from error
     if not np.isfinite(samples).all():
-        raise Refusal("The path is not one that a drag recorded: leave it empty")
+        raise Refusal("The path is not base64 of float32 triples: leave it empty")
     return [(float(du), float(dv), float(angle)) for du, dv, angle in samples]
 
 
@@ -61,13 +60,14 @@ class PinTransform(Interactive):
     release_confirm: BoolProperty(
         name="Confirm on Release", description="End when the mouse button is released", options=HIDDEN
     )
-    path: StringProperty(name="Path", description="Way the mouse took, as recorded by a drag", options=HIDDEN)
+    path: StringProperty(name="Path", description=PATH, options=HIDDEN)
     letters: StringProperty(default="XY", options=HIDDEN)  # names of the plane's axes, for the redo panel
+    _recorded: Sequence[Sample] = ()  # the way the mouse took: Blender repeats the operator with all it has
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
         try:
-            recorded = unpack_path(self.path)
+            recorded = list(self._recorded) or unpack_path(self.path)
             path = self.edited(recorded)
             posing = ObjectPosing(context, self.pin, self.extend, pivot=self.given_pivot())
             posing.run(path, settle=path != recorded)
@@ -176,7 +176,7 @@ class PinTransform(Interactive):
 
     def keep_result(self, solved: Solved) -> None:
         assert self._drag is not None  # what it asked for has been solved
-        self.path, self.letters = pack_path(solved.path), "".join(self._drag.letters)
+        self._recorded, self.letters = solved.path, "".join(self._drag.letters)
         self.set_end(solved.path[-1])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import time
+from collections.abc import Sequence
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
@@ -18,7 +19,7 @@ from ..scene.pins import pin_list
 from ..scene.sequence import pose_state
 from ..scene.view import snapshot
 from ..scene.view.mouse import pin_under, regions
-from .drag import HIDDEN, pack_path, unpack_path
+from .drag import HIDDEN, PATH, unpack_path
 from .modal import running
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
@@ -81,14 +82,13 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
     )
     pin: IntProperty(default=-1, min=-1, options=HIDDEN)  # as in planar.drag_pins
     extend: BoolProperty(options=HIDDEN)
-    path: StringProperty(
-        name="Path", description="Way of the pins with a sample for each frame, as recorded", options=HIDDEN
-    )
+    path: StringProperty(name="Path", description=f"{PATH}; a sample for each frame", options=HIDDEN)
     frame: IntProperty(
         name="Frame", description="Frame of the first pose; by default the current one", options=HIDDEN
     )
 
     _session: _Take
+    _recorded: Sequence[Sample] = ()  # as in planar.drag_pins
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
@@ -100,7 +100,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             self.frame = context.scene.frame_current
         before = context.scene.frame_current
         try:
-            poses = self._poses_of(unpack_path(self.path))
+            poses = self._poses_of(list(self._recorded) or unpack_path(self.path))
             posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
             try:
                 posing.solve(poses.samples, poses.seen)
@@ -222,8 +222,8 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if last < 1 or self._session.untouched:
             self.report({"INFO"}, "Nothing is recorded: keep the button pressed while the timeline plays")
             return self.stop()
-        self.path = pack_path(self._recording.by_frame(last))
-        self._poses = poses = self._poses_of(unpack_path(self.path))
+        self._recorded = self._recording.by_frame(last)
+        self._poses = poses = self._poses_of(self._recorded)
         self._session.retrace(poses.samples, poses.seen)
         return {"RUNNING_MODAL"}
 
