@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 import bpy
 import numpy as np
 from harness import Window
+from mathutils import Matrix
 
 
 def sheet(
@@ -29,6 +30,15 @@ def sheet(
     obj.location = at
     bpy.context.collection.objects.link(obj)
     activate(obj)
+    return obj
+
+
+def imported(name: str = "Imported", *, scale: float = 2.0) -> bpy.types.Object:
+    """A sheet as importers leave it: drawn in its own XY plane, scaled, and turned to stand in the XZ plane."""
+    obj = sheet(name, cell=0.25 / scale)
+    obj.data.transform(Matrix.Rotation(-np.pi / 2, 4, "X"))
+    obj.rotation_euler, obj.scale = (np.pi / 2, 0.0, 0.0), (scale, scale, scale)
+    bpy.context.view_layer.update()
     return obj
 
 

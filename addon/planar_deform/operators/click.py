@@ -29,7 +29,7 @@ class PLANAR_OT_click(bpy.types.Operator):
         if view is None:
             return {"PASS_THROUGH"}
         mouse = (event.mouse_region_x, event.mouse_region_y)
-        seen = snapshot.of_active(context)
+        seen = snapshot.in_view(context)
         if seen is not None and not self.add:
             # Neither gizmo has lit up where the event that ended a drag's settling comes right here.
             pin = pin_under(region, view, seen.pins, mouse)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Moving and turning pins: by mouse and keys, from a script, and again from the redo panel."""
+"""Moving, turning and spreading pins: by mouse and keys, from a script, and again from the redo panel."""
 
 from __future__ import annotations
 
@@ -9,11 +9,22 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    StringProperty,
+)
 
 from ..errors import Refusal
 from ..model.input.drag import Drag, Mode, Point
-from ..model.posing.posing import Sample, Solved, carried_path
+from ..model.plane.axes import plane_axes
+from ..model.plane.frame import PlaneFrame
+from ..model.posing.posing import Posing, Sample, Solved, carried_path
+from ..model.posing.spreading import Spreading
+from ..scene.view.mouse import hidden_refusal
 from .modal import running
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
@@ -39,13 +50,14 @@ def unpack_path(text: str) -> list[Sample]:
 
 
 class PinTransform(Interactive):
-    """What moving and turning share. A subclass names its mode and keeps its result in properties.
+    """What moving, turning and spreading share. A subclass names its mode and keeps its result in properties.
 
     There is no poll, as the Pose tool's keys must not go on to Blender's own operators: refusals are reports.
     """
 
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR"}
     mode: Mode
+    model: type[Posing] = Posing
 
     pin: IntProperty(
         name="Pin",
@@ -61,32 +73,33 @@ class PinTransform(Interactive):
         name="Confirm on Release", description="End when the mouse button is released", options=HIDDEN
     )
     path: StringProperty(name="Path", description=PATH, options=HIDDEN)
-    letters: StringProperty(default="XY", options=HIDDEN)  # names of the plane's axes, for the redo panel
     _recorded: Sequence[Sample] = ()  # the way the mouse took: Blender repeats the operator with all it has
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
         try:
             recorded = list(self._recorded) or unpack_path(self.path)
-            path = self.edited(recorded)
-            posing = ObjectPosing(context, self.pin, self.extend, pivot=self.given_pivot())
+            posing = self._begun(context)
+            path = self.edited(recorded, posing.drawing.frame)
             posing.run(path, settle=path != recorded)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        self.letters = "".join(posing.drawing.frame.letters)
         return {"FINISHED"}
+
+    def _begun(self, context: bpy.types.Context) -> ObjectPosing:
+        return ObjectPosing(context, self.pin, self.extend, pivot=self.given_pivot(), model=self.model)
 
     def given_pivot(self) -> Sequence[float] | None:
         """What to turn about, in the world; None: the centre of the pins."""
         return None
 
-    def edited(self, path: list[Sample]) -> list[Sample]:
+    def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
         """The recorded path, made to end as the properties say, in a subclass."""
         raise NotImplementedError
 
-    def set_end(self, sample: Sample) -> None:
-        """Let the properties say that the path ends here, in a subclass."""
+    def set_end(self, drag: Drag, sample: Sample) -> None:
+        """Let the properties say that the path of a drag ends here, in a subclass."""
         raise NotImplementedError
 
     # ---- by mouse and keys
@@ -99,16 +112,19 @@ class PinTransform(Interactive):
         pressed = self.pin >= 0
         self.extend = pressed and event.shift
         try:
-            self._posing = ObjectPosing(context, self.pin, self.extend, pivot=self.given_pivot())
+            hidden = hidden_refusal(context)
+            if hidden is not None:
+                raise Refusal(hidden)
+            self._posing = self._begun(context)
             self._mouse = PlaneMouse(self._posing, context.region, context.region_data, event)
             self._press: Point | None = (event.mouse_x, event.mouse_y) if pressed else None
             self._drag: Drag | None = None if pressed else self._mouse.begin(self.mode)
         except Refusal as refusal:
             self.report({"WARNING"}, str(refusal))
             return {"CANCELLED"}
-        locks = (
-            f"   {' or '.join(self._posing.drawing.frame.letters)}: Lock Axis" if self.mode == "MOVE" else ""
-        )
+        frame = self._posing.drawing.frame
+        letters = plane_axes(frame, "GLOBAL").letters
+        locks = f"   {' or '.join(letters)}: Lock Axis, Twice the Local One" if self.mode == "MOVE" else ""
         self._session = Session(
             context,
             self._posing,
@@ -142,8 +158,8 @@ class PinTransform(Interactive):
         if drag.sample != self._drag.sample:
             if drag.numeric.active or self._drag.numeric.active:
                 # Not by way of each digit: a typed value gives the shape that a script gets with it.
-                self.set_end(drag.sample)
-                self._session.retrace(self.edited([]))
+                self.set_end(drag, drag.sample)
+                self._session.retrace(self.edited([], self._posing.drawing.frame))
             else:
                 self._session.ask(drag.sample)
         if drag.text != self._drag.text and context.area is not None:
@@ -176,8 +192,22 @@ class PinTransform(Interactive):
 
     def keep_result(self, solved: Solved) -> None:
         assert self._drag is not None  # what it asked for has been solved
-        self._recorded, self.letters = solved.path, "".join(self._drag.letters)
-        self.set_end(solved.path[-1])
+        self._recorded = solved.path
+        self.set_end(self._drag, solved.path[-1])
+
+
+class AboutPivot(PinTransform):
+    """What turning and spreading share."""
+
+    pivot: FloatVectorProperty(
+        name="Pivot",
+        description="World position that stays; by default the centre of the pins",
+        subtype="XYZ",
+        options=HIDDEN,
+    )
+
+    def given_pivot(self) -> Sequence[float] | None:
+        return self.pivot if self.properties.is_property_set("pivot") else None
 
 
 class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
@@ -196,26 +226,43 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     mode = "MOVE"
     offset: FloatVectorProperty(
         name="Offset",
-        description="Offset of the pins along the two axes of the drawing's plane, in world units",
+        description="Offset of the pins along two axes in the drawing's plane, in world units",
         size=2,
         precision=4,
         options={"SKIP_SAVE"},
     )
+    orientation: EnumProperty(
+        name="Orientation",
+        description="Whose axes the offset is along",
+        items=(
+            ("GLOBAL", "Global", "The two of the world's axes that the plane is nearest to"),
+            ("LOCAL", "Local", "The object's own axes"),
+        ),
+        default="LOCAL",
+        options=HIDDEN,
+    )
+    letters: StringProperty(default="XY", options=HIDDEN)  # names of those axes, for the redo panel
 
-    def edited(self, path: list[Sample]) -> list[Sample]:
-        return carried_path(path, offset=tuple(self.offset))
+    def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
+        axes = plane_axes(frame, self.orientation)
+        self.letters = "".join(axes.letters)
+        if path and np.array_equal(np.float32(axes.values(path[-1][:2])), np.float32(self.offset)):
+            return path
+        return carried_path(path, offset=axes.offset(tuple(self.offset)))
 
-    def set_end(self, sample: Sample) -> None:
-        self.offset = sample[:2]
+    def set_end(self, drag: Drag, sample: Sample) -> None:
+        self.orientation, self.letters = drag.orientation, "".join(drag.axes.letters)
+        self.offset = drag.axes.values(sample[:2])
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column(align=True)
         column.use_property_split = True
         for index, letter in enumerate(self.letters[:2]):
-            column.prop(self, "offset", index=index, text=f"Offset {letter}" if index == 0 else letter)
+            text = f"{self.orientation.title()} {letter}" if index == 0 else letter
+            column.prop(self, "offset", index=index, text=text)
 
 
-class PLANAR_OT_rotate_pins(PinTransform, bpy.types.Operator):
+class PLANAR_OT_rotate_pins(AboutPivot, bpy.types.Operator):
     bl_idname = "planar.rotate_pins"
     bl_label = "Turn Pins"
     bl_description = "Turn the selected pins about their centre, patches with the drawing they hold"
@@ -229,20 +276,10 @@ class PLANAR_OT_rotate_pins(PinTransform, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    pivot: FloatVectorProperty(
-        name="Pivot",
-        description="World position to turn about; by default the centre of the pins",
-        subtype="XYZ",
-        options=HIDDEN,
-    )
-
-    def given_pivot(self) -> Sequence[float] | None:
-        return self.pivot if self.properties.is_property_set("pivot") else None
-
-    def edited(self, path: list[Sample]) -> list[Sample]:
+    def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
         return carried_path(path, angle=self.angle)
 
-    def set_end(self, sample: Sample) -> None:
+    def set_end(self, drag: Drag, sample: Sample) -> None:
         self.angle = sample[2]
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -250,4 +287,32 @@ class PLANAR_OT_rotate_pins(PinTransform, bpy.types.Operator):
         self.layout.prop(self, "angle")
 
 
-CLASSES = (PLANAR_OT_drag_pins, PLANAR_OT_rotate_pins)
+class PLANAR_OT_spread_pins(AboutPivot, bpy.types.Operator):
+    bl_idname = "planar.spread_pins"
+    bl_label = "Spread Pins"
+    bl_description = "Lead the selected pins away from their centre, or gather them there; the drawing follows"
+
+    mode = "SPREAD"
+    model = Spreading
+    factor: FloatProperty(
+        name="Factor",
+        description="What the pins' distances from the centre are multiplied by",
+        default=1.0,
+        precision=4,
+        options={"SKIP_SAVE"},
+    )
+
+    def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
+        if path and np.float32(1.0 + path[-1][0]) == np.float32(self.factor):
+            return path
+        return carried_path(path, offset=(self.factor - 1.0, 0.0))
+
+    def set_end(self, drag: Drag, sample: Sample) -> None:
+        self.factor = 1.0 + sample[0]
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop(self, "factor")
+
+
+CLASSES = (PLANAR_OT_drag_pins, PLANAR_OT_rotate_pins, PLANAR_OT_spread_pins)

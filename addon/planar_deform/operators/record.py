@@ -155,7 +155,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     def _start(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
         region, view = regions(context.area)[self._region]
-        seen = snapshot.of_active(context)
+        seen = snapshot.in_view(context)
         mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
         pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
         self.pin, self.extend = -1 if pin is None else pin, event.shift

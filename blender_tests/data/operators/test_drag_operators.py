@@ -1,13 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Moving and turning pins from scripts, and again from the redo panel."""
+"""Moving, turning and spreading pins from scripts, and again from the redo panel."""
 
 import base64
+import contextlib
 import math
 
 import bpy
 import numpy as np
 import pytest
-from support import PLANES, add_end_pins, add_pins, bar, coordinates, evaluated, grid, make_object, measured
+from mathutils import Matrix, Vector
+from support import (
+    PLANES,
+    add_end_pins,
+    add_pins,
+    bar,
+    coordinates,
+    evaluated,
+    grid,
+    make_object,
+    measured,
+    world,
+)
 
 
 def drag(**arguments):
@@ -214,3 +227,85 @@ def test_an_edit_of_the_mesh_between_two_drags_is_seen():
     bpy.ops.object.mode_set(mode="OBJECT")
     assert drag(offset=(0.0, 0.1)) == {"FINISHED"}
     assert measured(obj).flipped == 0
+
+
+def imported(tilt=0.0):
+    """A bar as importers leave it: drawn in XY, turned to stand up, scaled; and turned in its plane."""
+    obj = bar()
+    obj.matrix_world = (
+        Matrix.Rotation(tilt, 4, "Y") @ Matrix.Rotation(math.pi / 2, 4, "X") @ Matrix.Scale(3.0, 4)
+    )
+    add_end_pins(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.6, -2.5])
+def test_an_offset_along_global_axes_is_the_worlds(tilt):
+    obj = imported(tilt)
+    before = world(obj)[12::13].mean(axis=0)
+    assert drag(offset=(0.3, 0.5), orientation="GLOBAL") == {"FINISHED"}
+    moved = np.array(obj.matrix_world @ Vector(place(obj)))
+    assert moved - before == pytest.approx([0.3, 0.0, 0.5], abs=3e-3)
+    assert drag(offset=(0.0, -0.5)) == {"FINISHED"}, "by itself a script's is along the object's own axes"
+    own = obj.matrix_world.to_3x3().normalized() @ Vector((0.0, -0.5, 0.0))
+    assert np.array(obj.matrix_world @ Vector(place(obj))) - moved == pytest.approx(list(own), abs=3e-3)
+
+
+@pytest.mark.parametrize("orientation", ["GLOBAL", "LOCAL"])
+def test_a_recorded_path_that_ends_at_its_offset_is_repeated_to_the_bit(orientation):
+    from planar_deform.model.plane.axes import plane_axes
+    from planar_deform.operators.modal.object_posing import ObjectPosing
+    from planar_deform.scene.objects.cutout_object import begin
+
+    path = circle(0.4, 0.7)
+    obj = imported(0.6)
+    ObjectPosing(bpy.context).run(np.float32(path).astype(float).tolist(), settle=False)
+    recorded = coordinates(obj.data.vertices)
+    obj = imported(0.6)
+    axes = plane_axes(begin(bpy.context).frame, orientation)
+    drag(offset=axes.values(np.float32(path[-1, :2]).astype(float)), path=packed(path), orientation=orientation)
+    assert np.array_equal(coordinates(obj.data.vertices), recorded)
+    obj = imported(0.6)
+    drag(offset=(0.1, 0.1), path=packed(path), orientation=orientation)
+    assert not np.array_equal(coordinates(obj.data.vertices), recorded)
+
+
+@pytest.mark.parametrize("plane", PLANES)
+def test_a_factor_spreads_and_gathers_the_selected_pins(plane):
+    obj = bar(plane=plane)
+    add_end_pins(obj)
+    bpy.ops.planar.select_pins(action="ALL")
+    before = coordinates(obj.data.vertices).astype(float)
+    left, right = before[26], before[38]
+    centre = (left + right) / 2
+    for factor, total in ((1.5, 1.5), (0.5, 0.75)):
+        assert bpy.ops.planar.spread_pins(factor=factor) == {"FINISHED"}
+        assert place(obj, 0) == pytest.approx(centre + total * (left - centre), abs=0.02)
+        assert place(obj, 1) == pytest.approx(centre + total * (right - centre), abs=0.02)
+        assert measured(obj).flipped == 0
+
+
+def test_pins_are_spread_from_a_given_pivot_and_patches_keep_their_angle():
+    obj = bar()
+    add_end_pins(obj, kind="PATCH")
+    bpy.ops.planar.select_pins(action="ALL")
+    bpy.ops.planar.rotate_pins(angle=0.2)
+    angles = [pin.angle for pin in obj.planar.pins]
+    starts = [place(obj, 0), place(obj, 1)]
+    assert bpy.ops.planar.spread_pins(factor=1.2, pivot=(0.0, 0.5, 7.0)) == {"FINISHED"}
+    for index, start in enumerate(starts):
+        target = np.array(obj.planar.pins[index].target)
+        assert target == pytest.approx(np.array([0, 0.5, 0]) + 1.2 * (start - [0, 0.5, 0]), abs=1e-2)
+    assert [pin.angle for pin in obj.planar.pins] == pytest.approx(angles)
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, 1e30, float("nan")])
+def test_absurd_factors_leave_a_mesh_of_numbers(factor):
+    obj = bar()
+    add_end_pins(obj)
+    bpy.ops.planar.select_pins(action="ALL")
+    with contextlib.suppress(RuntimeError):
+        bpy.ops.planar.spread_pins(factor=factor)
+    assert np.isfinite(coordinates(obj.data.vertices)).all()
+    assert np.isfinite(evaluated(obj)).all()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The state of a drag: how mouse, Shift, axis locks and typed numbers make an offset or a turn.
+"""The state of a drag: how mouse, Shift, axis locks and typed numbers make an offset, a turn or a spread.
 
 States are values: each event gives a new one. Points are where the mouse is in the cutout's plane (world
-lengths), so the view is not known here. Offset and turn count from an anchor, not from the last event: a
+lengths), so the view is not known here. What is reached counts from an anchor, not from the last event: a
 mouse that returns to where it was gives what there was, however many events lie between. The anchor moves,
 and what was reached is kept, when the same mouse position starts to mean something else: Shift is pressed or
 released, or the view has changed.
@@ -14,23 +14,26 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from ..plane.axes import Orientation, PlaneAxes
 from ..posing.posing import Sample
 from .numeric import Numeric
 
-Mode = Literal["MOVE", "ROTATE"]
+Mode = Literal["MOVE", "ROTATE", "SPREAD"]
 Point = tuple[float, float]
 
 PRECISE = 0.1  # what Shift makes of a movement, as in Blender's transforms
 TURN_STEP, PRECISE_TURN_STEP = math.radians(5.0), math.radians(1.0)  # what Ctrl snaps a turn to, as there
+SPREAD_STEP = 0.1  # and a factor
 
 
 @dataclass(frozen=True)
 class Drag:
-    """A moving or turning of pins under way; start one with `begin`."""
+    """A moving, turning or spreading of pins under way; start one with `begin`."""
 
     mode: Mode
-    letters: tuple[str, str]  # the names of the plane's axes, which are the keys of the locks
-    pivot: Point  # what ROTATE turns about
+    global_axes: PlaneAxes  # whose letters are the keys of the locks, pressed once
+    local_axes: PlaneAxes  # and pressed twice
+    pivot: Point  # what ROTATE turns about, and SPREAD leads away from
     anchor: Point  # where the mouse counts from
     point: Point  # where it is
     turn: float = 0.0  # radians from anchor to point about the pivot, whole turns included
@@ -38,13 +41,38 @@ class Drag:
     precise: bool = False
     snapped: bool = False
     step: float = 1.0  # world length that offsets are snapped to
+    reach: float = 1.0  # world length by which a mouse that goes away from the pivot doubles a spread
+    orientation: Orientation = "GLOBAL"  # of the axes that locks, typed numbers and snapping are about
     lock: str = ""  # the letter of the only axis that moves, or none
     numeric: Numeric = field(default_factory=lambda: Numeric(("",)))
 
     @staticmethod
-    def begin(mode: Mode, letters: tuple[str, str], pivot: Point, point: Point, step: float = 1.0) -> Drag:
+    def begin(
+        mode: Mode,
+        global_axes: PlaneAxes,
+        local_axes: PlaneAxes,
+        pivot: Point,
+        point: Point,
+        step: float = 1.0,
+    ) -> Drag:
         """A drag whose mouse is at `point`, and which has moved nothing yet."""
-        return Drag(mode, letters, pivot, point, point, step=step, numeric=_no_numbers(mode, ""))
+        reach = max(math.dist(pivot, point), step)
+        numeric = _no_numbers(mode, "")
+        return Drag(
+            mode, global_axes, local_axes, pivot, point, point, step=step, reach=reach, numeric=numeric
+        )
+
+    @property
+    def axes(self) -> PlaneAxes:
+        """Those that locks, typed numbers and snapping are about."""
+        return self.global_axes if self.orientation == "GLOBAL" else self.local_axes
+
+    @property
+    def letters(self) -> str:
+        """The keys that lock an axis."""
+        if self.mode != "MOVE":
+            return ""
+        return "".join(dict.fromkeys((*self.global_axes.letters, *self.local_axes.letters)))
 
     def moved(self, point: Point) -> Drag:
         """After the mouse went to `point`."""
@@ -63,44 +91,72 @@ class Drag:
 
     def pressed(self, key: str) -> Drag | None:
         """After a key with this name (Blender's) was pressed; None if it means nothing to a drag."""
-        if self.mode == "MOVE" and key in self.letters:
-            lock = "" if self.lock == key else key
-            return replace(self, lock=lock, numeric=_no_numbers(self.mode, lock))
+        if key in self.letters:
+            return self._locked(key)
         numeric = self.numeric.pressed(key)
         return None if numeric is None else replace(self, numeric=numeric)
 
+    def _locked(self, letter: str) -> Drag:
+        """To the global axis of this letter, then to the local one, as far as they lie in the plane, then to
+        none."""
+        orders: list[Orientation] = ["GLOBAL", "LOCAL"]
+        named = {"GLOBAL": self.global_axes, "LOCAL": self.local_axes}
+        if letter == self.lock:
+            orders = orders[orders.index(self.orientation) + 1 :]
+        found = next((order for order in orders if letter in named[order].letters), None)
+        lock = "" if found is None else letter
+        return replace(self, lock=lock, orientation=found or "GLOBAL", numeric=_no_numbers(self.mode, lock))
+
     @property
     def sample(self) -> Sample:
-        """(du, dv, angle) since the start: world lengths along the plane's axes, and radians."""
+        """(du, dv, angle) since the start: world lengths along the plane's u and v, and radians.
+
+        Of SPREAD the first is the share by which distances from the pivot have grown.
+        """
         if self.mode == "ROTATE":
             if self.numeric.active:
                 return (0.0, 0.0, math.radians(self.numeric.values[0]))
             step = PRECISE_TURN_STEP if self.precise else TURN_STEP
             return (0.0, 0.0, self._snap(self._by_mouse[2], step))
-        if self.numeric.active:
-            values = self.numeric.values
-            if not self.lock:
-                return (values[0], values[1], 0.0)
-            return (values[0], 0.0, 0.0) if self.lock == self.letters[0] else (0.0, values[0], 0.0)
-        step = self.step * (PRECISE if self.precise else 1.0)
-        du, dv = (self._snap(value, step) for value in self._by_mouse[:2])
-        return (du if self.lock != self.letters[1] else 0.0, dv if self.lock != self.letters[0] else 0.0, 0.0)
+        if self.mode == "SPREAD":
+            if self.numeric.active:
+                return (self.numeric.values[0] - 1.0, 0.0, 0.0)
+            step = SPREAD_STEP * (PRECISE if self.precise else 1.0)
+            return (max(self._snap(self._by_mouse[0], step), -1.0), 0.0, 0.0)
+        return (*self.axes.offset(self._values), 0.0)
 
     @property
     def text(self) -> str:
         """What the header of the view says."""
-        du, dv, angle = self.sample
         if self.mode == "ROTATE":
-            shown = self.numeric.shown(0) if self.numeric.active else f"{math.degrees(angle):.2f}"
+            shown = self.numeric.shown(0) if self.numeric.active else f"{math.degrees(self.sample[2]):.2f}"
             return f"Turn Pins: {shown}°"
-        letters = (self.lock,) if self.lock else self.letters
-        values = {self.letters[0]: du, self.letters[1]: dv}
+        if self.mode == "SPREAD":
+            shown = self.numeric.shown(0) if self.numeric.active else f"{1.0 + self.sample[0]:.4f}"
+            return f"Spread Pins: {shown}"
+        letters = (self.lock,) if self.lock else self.axes.letters
+        values = dict(zip(self.axes.letters, self._values, strict=True))
         numbers = [
             f"{letter}: {self.numeric.shown(i) if self.numeric.active else format(values[letter], '.4f')}"
             for i, letter in enumerate(letters)
         ]
-        along = f" along {self.lock}" if self.lock else ""
-        return f"Move Pins: {'   '.join(numbers)}   ({math.hypot(du, dv):.4f}){along}"
+        along = f" along {self.orientation.lower()} {self.lock}" if self.lock else ""
+        return f"Move Pins: {'   '.join(numbers)}   ({math.hypot(*self._values):.4f}){along}"
+
+    @property
+    def _values(self) -> Point:
+        """How far it has moved along each axis."""
+        if self.numeric.active and not self.lock:
+            return self.numeric.values[0], self.numeric.values[1]
+        if self.numeric.active:
+            one = self.numeric.values[0]
+            first, second = one, one
+        else:
+            step = self.step * (PRECISE if self.precise else 1.0)
+            du, dv, _ = self._by_mouse
+            first, second = (self._snap(value, step) for value in self.axes.values((du, dv)))
+        letters = self.axes.letters
+        return first if self.lock != letters[1] else 0.0, second if self.lock != letters[0] else 0.0
 
     def _snap(self, value: float, step: float) -> float:
         return step * round(value / step) if self.snapped else value
@@ -111,6 +167,9 @@ class Drag:
         du, dv, angle = self.base
         if self.mode == "ROTATE":
             return (0.0, 0.0, angle + factor * self.turn)
+        if self.mode == "SPREAD":
+            away = math.dist(self.pivot, self.point) - math.dist(self.pivot, self.anchor)
+            return (du + factor * away / self.reach, 0.0, 0.0)
         return (
             du + factor * (self.point[0] - self.anchor[0]),
             dv + factor * (self.point[1] - self.anchor[1]),
@@ -119,7 +178,7 @@ class Drag:
 
 
 def _no_numbers(mode: Mode, lock: str) -> Numeric:
-    return Numeric(("",) if mode == "ROTATE" or lock else ("", ""))
+    return Numeric(("", "") if mode == "MOVE" and not lock else ("",))
 
 
 def _angle(pivot: Point, point: Point) -> float:

@@ -51,8 +51,10 @@ class ObjectPosing:
         settling: bool = False,
         unkeyed: bool = False,
         pivot: Sequence[float] | None = None,
+        model: type[Posing] = Posing,
     ):
         """`settling`: no pin moves, all of them hold. `unkeyed`: as in `begin`. `pivot`: a world position.
+        `model`: what samples mean.
 
         Raises Refusal, with nothing changed.
         """
@@ -74,6 +76,7 @@ class ObjectPosing:
         self._active_before = settings.active_pin
         self._pressed, self._extend = pressed, extend
         self._wrote = False
+        self._make_model = model
         self._model: Posing | None = None
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
@@ -98,7 +101,7 @@ class ObjectPosing:
             positions, cutout = self.drawing.positions, self.drawing.cutout
             make_poser = partial(solver_cache.poser_for, self._key, cutout, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
-            self._model = Posing(cutout, positions, self._pins, moving, make_poser, self._pivot)
+            self._model = self._make_model(cutout, positions, self._pins, moving, make_poser, self._pivot)
         return self._model
 
     def part(self) -> int:

@@ -9,6 +9,7 @@ import bpy
 
 from ...errors import Refusal
 from ...model.input.drag import Drag, Mode, Point
+from ...model.plane.axes import plane_axes
 from ...scene.view.mouse import ray
 from .object_posing import ObjectPosing
 
@@ -42,7 +43,9 @@ class PlaneMouse:
         if self._start is None:
             raise Refusal(EDGE_ON)
         x, y = self._posing.model.pivot.tolist()
-        return Drag.begin(mode, self._posing.drawing.frame.letters, (x, y), self._start, self._step)
+        frame = self._posing.drawing.frame
+        axes = plane_axes(frame, "GLOBAL"), plane_axes(frame, "LOCAL")
+        return Drag.begin(mode, *axes, (x, y), self._start, self._step)
 
     def moved(
         self,

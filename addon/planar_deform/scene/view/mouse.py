@@ -9,14 +9,12 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from bpy_extras.view3d_utils import (
-    location_3d_to_region_2d,
-    region_2d_to_origin_3d,
-    region_2d_to_vector_3d,
-)
+from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
+from ...model.input import view_ray
 from ...model.plane.frame import Array
+from . import snapshot
 from .snapshot import PinPlace
 
 # Pixels at a UI scale of 1.
@@ -36,12 +34,18 @@ class Ring:
 def ray(
     region: bpy.types.Region, view: bpy.types.RegionView3D, mouse: Sequence[float]
 ) -> tuple[Array, Array]:
-    """Origin and direction (3,) in the world of what lies under the mouse."""
-    origin, direction = (
-        region_2d_to_origin_3d(region, view, mouse),
-        region_2d_to_vector_3d(region, view, mouse),
-    )
-    return np.array(origin, dtype=np.float64), np.array(direction, dtype=np.float64)
+    """Origin and unit direction (3,) in the world of what lies under the mouse."""
+    window, world_to_view = np.array(view.window_matrix, float), np.array(view.view_matrix, float)
+    place = 2.0 * mouse[0] / region.width - 1.0, 2.0 * mouse[1] / region.height - 1.0
+    return view_ray.ray(window, world_to_view, place)
+
+
+def hidden_refusal(context: bpy.types.Context) -> str | None:
+    """Why the active object's pins cannot be used in the view at hand, if it is hidden there."""
+    obj = context.object
+    if obj is None or snapshot.is_shown(obj, context):
+        return None
+    return f"'{obj.name}' is hidden here: show it by its eye in the Outliner first"
 
 
 def regions(area: bpy.types.Area | None) -> list[tuple[bpy.types.Region, bpy.types.RegionView3D]]:

@@ -28,7 +28,7 @@ def _draw() -> None:
         return
     if not has_pins(context.object) or not context.object.planar.show_mesh:
         return
-    seen = snapshot.of_active(context)
+    seen = snapshot.in_view(context)
     if seen is None or not len(seen.edges):
         return
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")

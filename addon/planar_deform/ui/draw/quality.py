@@ -79,9 +79,9 @@ def _shown(context: bpy.types.Context) -> tuple[Snapshot, str] | None:
     obj = context.object
     if context.mode != "OBJECT" or not has_pins(obj) or obj.planar.show_quality == "OFF":
         return None
-    if not context.space_data.overlay.show_overlays or not obj.visible_get(viewport=context.space_data):
+    if not context.space_data.overlay.show_overlays:
         return None
-    seen = snapshot.of_active(context)
+    seen = snapshot.in_view(context)
     return None if seen is None or seen.refusal is not None else (seen, obj.planar.show_quality)
 
 

@@ -126,7 +126,7 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
         """A gizmo for each pin, where the pin is, and the ring. What is left over is hidden, not removed: the
         one under the mouse may be among them. While the timeline plays nothing is read for them: a large mesh
         would slow it down."""
-        seen = None if context.screen.is_animation_playing else snapshot.of_active(context)
+        seen = None if context.screen.is_animation_playing else snapshot.in_view(context)
         self.all_marks[:] = [] if seen is None else seen.pins
         found = {mark.key: mark for mark in self.all_marks}
         while len(self.pins) <= max(found, default=-1):

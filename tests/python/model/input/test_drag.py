@@ -6,16 +6,25 @@ import math
 import pytest
 
 from planar_deform.model.input.drag import PRECISE, Drag
+from planar_deform.model.plane.axes import PlaneAxes
 
-LETTERS = ("X", "Z")
+UPRIGHT = PlaneAxes(("X", "Z"))  # of a drawing that stands in the XZ plane, global and local
+TURNED = PlaneAxes(("X", "Z"), (0.6, -0.8), (0.8, 0.6))  # the global axes, seen from a turned drawing
+LYING = PlaneAxes(("X", "Y"))  # the local axes of an imported drawing
 
 
-def move(start: tuple[float, float] = (1.0, 2.0)) -> Drag:
-    return Drag.begin("MOVE", LETTERS, (0.0, 0.0), start)
+def move(
+    start: tuple[float, float] = (1.0, 2.0), world: PlaneAxes = UPRIGHT, own: PlaneAxes = UPRIGHT
+) -> Drag:
+    return Drag.begin("MOVE", world, own, (0.0, 0.0), start)
 
 
 def rotate(start: tuple[float, float] = (3.0, 1.0)) -> Drag:
-    return Drag.begin("ROTATE", LETTERS, (1.0, 1.0), start)
+    return Drag.begin("ROTATE", UPRIGHT, UPRIGHT, (1.0, 1.0), start)
+
+
+def spread(start: tuple[float, float] = (3.0, 1.0)) -> Drag:
+    return Drag.begin("SPREAD", UPRIGHT, UPRIGHT, (1.0, 1.0), start)
 
 
 def press(drag: Drag, *keys: str) -> Drag:
@@ -58,7 +67,7 @@ def test_shift_neither_jumps_when_pressed_nor_when_released() -> None:
 
 
 def test_ctrl_snaps_and_lets_go_again() -> None:
-    drag = Drag.begin("MOVE", LETTERS, (0.0, 0.0), (0.0, 0.0), 0.5).moved((1.3, -0.2))
+    drag = Drag.begin("MOVE", UPRIGHT, UPRIGHT, (0.0, 0.0), (0.0, 0.0), 0.5).moved((1.3, -0.2))
     snapped = drag.held(shift=False, ctrl=True)
     assert snapped.sample == (1.5, 0.0, 0.0)
     assert snapped.moved((1.2, -0.3)).sample == (1.0, -0.5, 0.0)
@@ -80,14 +89,56 @@ def test_a_changed_view_moves_nothing_by_itself() -> None:
     assert turned.moved((2.0, 1.0)).sample == pytest.approx((0.0, 0.0, math.pi))
 
 
-def test_a_lock_keeps_one_axis_and_the_same_key_frees_it() -> None:
+def test_a_lock_keeps_one_axis_first_the_global_then_the_local_then_none() -> None:
     drag = move().moved((2.0, 4.0))
     assert press(drag, "X").sample == (1.0, 0.0, 0.0)
     assert press(drag, "Z").sample == (0.0, 2.0, 0.0)
     assert press(drag, "X", "Z").sample == (0.0, 2.0, 0.0)
-    assert press(drag, "X", "X").sample == (1.0, 2.0, 0.0)
+    assert press(drag, "X", "X").sample == (1.0, 0.0, 0.0)
+    assert press(drag, "X", "X").orientation == "LOCAL"
+    assert press(drag, "X", "X", "X").sample == (1.0, 2.0, 0.0)
     assert drag.pressed("Y") is None, "not an axis of this plane"
     assert rotate().pressed("X") is None, "a turn in a plane has one axis"
+    assert spread().pressed("X") is None
+
+
+def test_locks_of_a_turned_drawing_follow_the_global_axes() -> None:
+    drag = move((0.0, 0.0), TURNED).moved((2.0, 1.0))
+    assert press(drag, "X").sample == pytest.approx((0.4 * 0.6, -0.4 * 0.8, 0.0))
+    assert press(drag, "Z").sample == pytest.approx((2.2 * 0.8, 2.2 * 0.6, 0.0))
+    assert press(drag, "Z", "Z").sample == (0.0, 1.0, 0.0)
+    assert press(drag, "Z", "TWO").sample == pytest.approx((1.6, 1.2, 0.0))
+    assert press(drag, "Z", "Z", "TWO").sample == (0.0, 2.0, 0.0)
+    assert press(drag, "ONE", "TAB", "TWO").sample == pytest.approx((2.2, 0.4, 0.0))
+    snapped = drag.held(shift=False, ctrl=True)
+    assert snapped.axes.values(snapped.sample[:2]) == pytest.approx((0.0, 2.0)), "on the world's grid"
+
+
+def test_locks_of_an_imported_drawing_whose_own_z_leaves_its_plane() -> None:
+    drag = move(own=LYING).moved((2.0, 4.0))
+    assert press(drag, "Z").sample == (0.0, 2.0, 0.0)
+    assert press(drag, "Z", "Z").sample == (1.0, 2.0, 0.0), "there is no local Z to move along: free"
+    assert press(drag, "Y").sample == (0.0, 2.0, 0.0), "there is no global Y: the local one at once"
+    assert press(drag, "Y").text == "Move Pins: Y: 2.0000   (2.0000) along local Y"
+    assert press(drag, "Y", "Y").sample == (1.0, 2.0, 0.0)
+    assert press(drag, "Y", "X").orientation == "GLOBAL"
+
+
+def test_a_spread_follows_the_distance_from_the_pivot() -> None:
+    drag = spread()
+    assert drag.sample == (0.0, 0.0, 0.0)
+    assert drag.moved((1.0, 5.0)).sample == (1.0, 0.0, 0.0), "twice as far, whatever the direction"
+    assert drag.moved((1.5, 1.0)).sample == (-0.75, 0.0, 0.0)
+    assert drag.moved((1.0, 1.0)).sample == (-1.0, 0.0, 0.0)
+    assert drag.moved((1.25, 1.0)).held(shift=False, ctrl=True).sample[0] == pytest.approx(-0.9)
+    precise = drag.moved((5.0, 1.0)).held(shift=True, ctrl=False)
+    assert precise.sample == (1.0, 0.0, 0.0), "Shift does not jump"
+    assert precise.moved((7.0, 1.0)).sample[0] == pytest.approx(1.0 + PRECISE)
+    assert press(drag, "TWO", "PERIOD", "FIVE").sample == (1.5, 0.0, 0.0), "a typed number is the factor"
+    assert press(drag, "TWO").text == "Spread Pins: 2|"
+    assert drag.moved((1.0, 5.0)).text == "Spread Pins: 2.0000"
+    near = Drag.begin("SPREAD", UPRIGHT, UPRIGHT, (1.0, 1.0), (1.0, 1.0), 0.5).moved((1.5, 1.0))
+    assert near.sample == (1.0, 0.0, 0.0), "a mouse on the pivot is not thrown to infinity"
 
 
 def test_turns_add_up_beyond_a_half() -> None:
@@ -111,6 +162,7 @@ def test_typed_numbers_rule_over_the_mouse() -> None:
 
 def test_the_text_names_what_happens() -> None:
     assert move().moved((1.5, 2.0)).text == "Move Pins: X: 0.5000   Z: 0.0000   (0.5000)"
-    assert press(move().moved((1.5, 2.0)), "X").text == "Move Pins: X: 0.5000   (0.5000) along X"
+    assert press(move().moved((1.5, 2.0)), "X").text == "Move Pins: X: 0.5000   (0.5000) along global X"
+    assert press(move().moved((1.5, 2.0)), "X", "X").text == "Move Pins: X: 0.5000   (0.5000) along local X"
     assert press(move(), "ONE", "TAB").text == "Move Pins: X: 1   Z: |   (1.0000)"
     assert press(rotate(), "FOUR", "FIVE").text == "Turn Pins: 45|°"
