@@ -12,11 +12,13 @@ from . import batch, events
 from .errors import try_all
 from .operators import (
     bake,
+    box_select,
     breakdown,
     click,
     drag,
     inbetweens,
     motion,
+    pin_radius,
     pins,
     pose_travel,
     poses,
@@ -26,9 +28,9 @@ from .operators import (
     stiffness,
 )
 from .scene import properties
-from .ui.draw import mesh_edges, onion_skin, quality
+from .ui.draw import gestures, mesh_edges, onion_skin, quality
 from .ui.panels import bake_panel, motion_panel, pins_panel, poses_panel, posing_panel
-from .ui.tool import gizmos, pose_tool
+from .ui.tool import gizmos, hint, pin_menu, pose_tool
 
 # Each has CLASSES, and register() and unregister() where these are not all; those run with the classes in.
 # The last one is undone first: it ends what is running.
@@ -40,6 +42,8 @@ MODULES = (
     settle,
     record,
     click,
+    box_select,
+    pin_radius,
     stiffness,
     poses,
     inbetweens,
@@ -49,7 +53,10 @@ MODULES = (
     breakdown,
     batch,
     gizmos,
+    pin_menu,
+    hint,
     pose_tool,
+    gestures,
     quality,
     mesh_edges,
     onion_skin,

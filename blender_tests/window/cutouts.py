@@ -34,7 +34,7 @@ def sheet(
 
 
 def imported(name: str = "Imported", *, scale: float = 2.0) -> bpy.types.Object:
-    """A sheet as importers leave it: drawn in its own XY plane, scaled, and turned to stand in the XZ plane."""
+    """A sheet as importers leave it: drawn in its own XY plane, scaled, turned to stand upright."""
     obj = sheet(name, cell=0.25 / scale)
     obj.data.transform(Matrix.Rotation(-np.pi / 2, 4, "X"))
     obj.rotation_euler, obj.scale = (np.pi / 2, 0.0, 0.0), (scale, scale, scale)

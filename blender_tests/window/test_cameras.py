@@ -26,16 +26,15 @@ CAMERAS: dict[str, dict[str, object]] = {
 }
 
 
-def scene() -> bpy.types.Object:
-    obj = imported()
+def scene() -> None:
+    imported()
     pin(LEFT, RIGHT)
     bpy.ops.ed.undo_push(message="Test Scene")
-    return obj
 
 
-def camera(obj: bpy.types.Object, settings: dict[str, object]) -> None:
+def camera(settings: dict[str, object]) -> None:
     """A camera of these settings before the drawing, a little askew; the drawing stays the active object."""
-    data = bpy.data.cameras.new("Camera")
+    drawing, data = active(), bpy.data.cameras.new("Camera")
     data.ortho_scale, data.lens = 7.0, 40.0
     for name, value in settings.items():
         setattr(data, name, value)
@@ -43,7 +42,7 @@ def camera(obj: bpy.types.Object, settings: dict[str, object]) -> None:
     seen_from.location, seen_from.rotation_euler = (1.0, -8.0, 1.2), (1.44, 0.05, 0.1)
     bpy.context.collection.objects.link(seen_from)
     bpy.context.scene.camera = seen_from
-    activate(obj)
+    activate(drawing)
     bpy.ops.ed.undo_push(message="Camera")
 
 
@@ -82,18 +81,18 @@ def works(window: Window, name: str) -> Iterator[None]:
 
 
 def test_pins_through_cameras_of_all_kinds(window: Window) -> Iterator[None]:
-    obj = scene()
+    scene()
     yield from window.use_tool()
     for name, settings in CAMERAS.items():
-        camera(bpy.data.objects[obj.name], settings)
+        camera(settings)
         window.view.view_perspective = "CAMERA"
         yield from window.wait(0.2)
         yield from works(window, name)
 
 
 def test_a_camera_view_that_is_zoomed_and_moved(window: Window) -> Iterator[None]:
-    obj = scene()
-    camera(obj, {"type": "ORTHO", "sensor_fit": "VERTICAL"})
+    scene()
+    camera({"type": "ORTHO", "sensor_fit": "VERTICAL"})
     bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = 720, 1280
     yield from window.use_tool()
     window.view.view_perspective = "CAMERA"
@@ -103,10 +102,11 @@ def test_a_camera_view_that_is_zoomed_and_moved(window: Window) -> Iterator[None
 
 
 def test_a_click_through_an_orthographic_camera_finds_the_layer(window: Window) -> Iterator[None]:
-    obj = scene()
-    back = imported("Back")
+    scene()
+    front, back = active(), imported("Back")
     back.location = (0.0, 1.0, 1.6)
-    camera(obj, {"type": "ORTHO", "clip_end": 1e4})
+    activate(front)
+    camera({"type": "ORTHO", "clip_end": 1e4})
     yield from window.use_tool()
     window.view.view_perspective = "CAMERA"
     yield from window.wait(0.2)
@@ -117,13 +117,13 @@ def test_a_click_through_an_orthographic_camera_finds_the_layer(window: Window) 
 
 
 def test_orthographic_views_of_drawings_that_stand_and_lie(window: Window) -> Iterator[None]:
-    obj = scene()
+    scene()
     yield from window.use_tool()
     for clip_end in (1000.0, 1e6):
         window.area.spaces.active.clip_end = clip_end
         yield from window.look("FRONT", distance=7.0)
         yield from works(window, f"Front, clipped at {clip_end}")
-    lying = bpy.data.objects[obj.name]
+    lying = active()
     lying.rotation_euler, lying.location = (0.0, 0.0, 0.4), (0.3, 0.1, -2.0)
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="Laid Down")
@@ -143,23 +143,23 @@ def test_the_views_of_a_quad_view(window: Window) -> Iterator[None]:
     with window.context():
         bpy.ops.screen.region_quadview()
     yield from window.wait(0.4)
-    space = window.area.spaces.active
-    shown = [region for region in window.area.regions if region.type == "WINDOW"]
     dragged = 0
-    for region, view in zip(shown, space.region_quadviews, strict=True):
-        front = (view.view_rotation @ Vector((0.0, 0.0, 1.0))).y
-        if abs(front) < 0.2:
+    for number in range(4):
+        region = [region for region in window.area.regions if region.type == "WINDOW"][number]
+        view = window.area.spaces.active.region_quadviews[number]
+        if abs((view.view_rotation @ Vector((0.0, 0.0, 1.0))).y) < 0.2:
             continue  # edge-on
-        spot = location_3d_to_region_2d(region, view, Vector(place(1)))
-        start = region.x + round(spot.x), region.y + round(spot.y)
+        start = in_region(region, view, place(1))
         end = start[0] - 15, start[1] + 20
         yield from window.drag(start, end)
-        seen = location_3d_to_region_2d(region, view, Vector(place(1)))
-        gap = np.hypot(region.x + seen.x - end[0], region.y + seen.y - end[1])
         assert selected() == [1]
-        assert gap < 3.0, f"{gap} pixels off"
+        gap = np.hypot(*np.subtract(in_region(region, view, place(1)), end))
+        assert gap < 3.0, f"view {number}: {gap} pixels off"
         dragged += 1
     assert dragged >= 1
-    with window.context():
-        bpy.ops.screen.region_quadview()
-    yield from window.wait(0.2)
+
+
+def in_region(region: bpy.types.Region, view: bpy.types.RegionView3D, spot: np.ndarray) -> tuple[int, int]:
+    """Window coordinates of a world position in one of several views."""
+    seen = location_3d_to_region_2d(region, view, Vector(spot))
+    return region.x + round(seen.x), region.y + round(seen.y)

@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clicks of the Pose tool that hit no pin."""
+"""Clicks of the Pose tool that no gizmo takes."""
 
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty
+from bpy.props import BoolProperty, StringProperty
 from mathutils import Vector
 
 from ..errors import Refusal
 from ..model.plane.frame import Array
 from ..scene.objects.cutout_object import begin
+from ..scene.pins import pin_list
 from ..scene.view import snapshot
-from ..scene.view.mouse import on_ring, pin_under, ray, ring_about
+from ..scene.view.mouse import hidden_refusal, on_ring, pin_under, ray, ring_about
+from .modal.session import PASSED_ON, is_dragged
+from .posing_operator import Refusing
+
+ADD = "Ctrl-click the drawing to add one"
+MENU = "PLANAR_MT_pins"
 
 
 class PLANAR_OT_click(bpy.types.Operator):
@@ -30,43 +36,43 @@ class PLANAR_OT_click(bpy.types.Operator):
             return {"PASS_THROUGH"}
         mouse = (event.mouse_region_x, event.mouse_region_y)
         seen = snapshot.in_view(context)
-        if seen is not None and not self.add:
-            # Neither gizmo has lit up where the event that ended a drag's settling comes right here.
+        if seen is not None:
+            # No gizmo has lit up where the event that ended a drag's settling comes right here.
             pin = pin_under(region, view, seen.pins, mouse)
             if pin is not None:
                 bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True, pin=pin)
                 return {"FINISHED"}
             ring = ring_about(context.object, seen.pins)
             if ring is not None and on_ring(region, view, ring, mouse):
-                bpy.ops.planar.rotate_pins("INVOKE_DEFAULT", True, release_confirm=True)
-                return {"FINISHED"}
-        origin, direction = ray(region, view, mouse)
+                if self.add and ring.only is not None:
+                    bpy.ops.planar.set_pin_radius("INVOKE_DEFAULT", True, release_confirm=True)
+                    return {"FINISHED"}
+                if ring.turns:
+                    bpy.ops.planar.rotate_pins("INVOKE_DEFAULT", True, release_confirm=True)
+                    return {"FINISHED"}
         if self.add:
-            return self._add(context, origin, direction)
-        other = _object_under(context, origin, direction)
+            return {"FINISHED"} if add_pin_under(self, context, event) else {"CANCELLED"}
+        other = _object_under(context, *ray(region, view, mouse))
         if other is not None and other != context.object:
             return self._activate(context, other)
         obj = context.object
         if not self.extend and obj is not None and any(pin.select for pin in obj.planar.pins):
             bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="NONE")
-        return {"FINISHED"}
+        self._press = event.mouse_x, event.mouse_y
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
 
-    def _add(self, context: bpy.types.Context, origin: Array, direction: Array) -> set[str]:
-        try:
-            drawing = begin(context)
-            point = drawing.pick(origin, direction)
-            if point is None:
-                raise Refusal(
-                    f"'{drawing.object_name}' is not under the mouse: click a layer to make it active"
-                )
-        except Refusal as refusal:
-            self.report({"WARNING"}, str(refusal))
-            return {"CANCELLED"}
-        corners = drawing.cutout.triangles[point.triangle]
-        place = point.weights[None, :] @ drawing.positions[corners]
-        place = drawing.to_world(place, drawing.cutout.parts[corners[:1]])
-        bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=place[0].tolist())
-        return {"FINISHED"}
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Until the button is released: whoever drags nothing is told so."""
+        if event.type == "LEFTMOUSE":
+            return {"FINISHED"}
+        if event.type.startswith(PASSED_ON) or event.value != "PRESS":
+            if not is_dragged(context, event, self._press):
+                return {"PASS_THROUGH"}
+            other = "drag one, or press B to select by a box" if pin_list.has_pins(context.object) else ADD
+            self.report({"INFO"}, f"There is no pin under the mouse: {other}")
+            return {"FINISHED"}
+        return {"FINISHED", "PASS_THROUGH"}
 
     def _activate(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         if not self.extend:
@@ -76,6 +82,71 @@ class PLANAR_OT_click(bpy.types.Operator):
         context.view_layer.objects.active = obj
         bpy.ops.ed.undo_push(message="Select")
         return {"FINISHED"}
+
+
+def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, event: bpy.types.Event) -> bool:
+    """Add a pin to the active mesh under the mouse, in an undo step of its own; reports why it cannot be."""
+    mouse = event.mouse_region_x, event.mouse_region_y
+    try:
+        hidden = hidden_refusal(context)
+        if hidden is not None:
+            raise Refusal(hidden)
+        drawing = begin(context)
+        point = drawing.pick(*ray(context.region, context.region_data, mouse))
+        if point is None:
+            raise Refusal(f"'{drawing.object_name}' is not under the mouse: click a layer to make it active")
+    except Refusal as refusal:
+        operator.report({"WARNING"}, str(refusal))
+        return False
+    corners = drawing.cutout.triangles[point.triangle]
+    place = point.weights[None, :] @ drawing.positions[corners]
+    place = drawing.to_world(place, drawing.cutout.parts[corners[:1]])
+    bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=place[0].tolist())
+    return True
+
+
+class PLANAR_OT_pin_menu(bpy.types.Operator):
+    bl_idname = "planar.pin_menu"
+    bl_label = "Pin Context Menu"
+    bl_description = "Open the menu of the pin under the mouse, and of the others that are selected with it"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        seen = None if context.region_data is None else snapshot.in_view(context)
+        if seen is None:
+            return {"PASS_THROUGH"}
+        mouse = event.mouse_region_x, event.mouse_region_y
+        pin = pin_under(context.region, context.region_data, seen.pins, mouse)
+        if pin is None:
+            return {"PASS_THROUGH"}  # Blender's menu of the object
+        settings = context.object.planar
+        if not settings.pins[pin].select:
+            bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="SELECT", pin=pin)
+        else:
+            settings.active_pin = pin
+        bpy.ops.wm.call_menu(name=MENU)
+        return {"FINISHED"}
+
+
+class PLANAR_OT_guard_key(bpy.types.Operator):
+    """Stands in the tool's keymap before an operator whose poll would otherwise let the key through."""
+
+    bl_idname = "planar.guard_key"
+    bl_label = "Guard Key"
+    bl_description = "Say why the operator of a key cannot be used, and keep the key from Blender's own"
+    bl_options = {"INTERNAL"}
+
+    operator: StringProperty(name="Operator", description="Name of the operator, without 'planar.'")
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        guarded = getattr(bpy.types, f"PLANAR_OT_{self.operator}")
+        reason = hidden_refusal(context)
+        if reason is None and issubclass(guarded, Refusing):
+            reason = guarded.refusal(context)
+        if reason is None:
+            return {"PASS_THROUGH"}  # to the operator
+        self.report({"WARNING"}, reason)
+        return {"CANCELLED"}
 
 
 def _object_under(context: bpy.types.Context, start: Array, towards: Array) -> bpy.types.Object | None:
@@ -92,4 +163,4 @@ def _object_under(context: bpy.types.Context, start: Array, towards: Array) -> b
     return None
 
 
-CLASSES = (PLANAR_OT_click,)
+CLASSES = (PLANAR_OT_click, PLANAR_OT_pin_menu, PLANAR_OT_guard_key)

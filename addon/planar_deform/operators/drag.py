@@ -28,7 +28,7 @@ from ..scene.view.mouse import hidden_refusal
 from .modal import running
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
-from .modal.session import PASSED_ON, Interactive, Session
+from .modal.session import PASSED_ON, Interactive, Session, is_dragged
 
 CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
@@ -170,11 +170,7 @@ class PinTransform(Interactive):
     def _dragged(self, context: bpy.types.Context, event: bpy.types.Event) -> bool:
         """Whether a pressed pin is being dragged by now and not just clicked; starts the drag then."""
         assert self._press is not None  # or the drag would have begun at once
-        inputs = context.preferences.inputs
-        far = inputs.drag_threshold_tablet if event.is_tablet else inputs.drag_threshold_mouse
-        far *= context.preferences.system.ui_scale
-        x, y = self._press
-        if event.type != "MOUSEMOVE" or max(abs(event.mouse_x - x), abs(event.mouse_y - y)) < far:
+        if not is_dragged(context, event, self._press):
             return False
         self._drag = self._mouse.begin(self.mode)
         return True
@@ -198,6 +194,8 @@ class PinTransform(Interactive):
 
 class AboutPivot(PinTransform):
     """What turning and spreading share."""
+
+    properties: bpy.types.OperatorProperties  # of Blender's operators
 
     pivot: FloatVectorProperty(
         name="Pivot",
@@ -246,8 +244,10 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
         axes = plane_axes(frame, self.orientation)
         self.letters = "".join(axes.letters)
-        if path and np.array_equal(np.float32(axes.values(path[-1][:2])), np.float32(self.offset)):
-            return path
+        if path:
+            end = np.array(axes.values(path[-1][:2]), np.float32)
+            if np.array_equal(end, np.array(self.offset, np.float32)):
+                return path  # to the bit, which turning the offset back would not be
         return carried_path(path, offset=axes.offset(tuple(self.offset)))
 
     def set_end(self, drag: Drag, sample: Sample) -> None:
@@ -276,6 +276,13 @@ class PLANAR_OT_rotate_pins(AboutPivot, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if self.release_confirm and event.ctrl and sum(pin.select for pin in context.object.planar.pins) == 1:
+            # The ring of one pin, which a gizmo gives to this operator whatever keys are held.
+            bpy.ops.planar.set_pin_radius("INVOKE_DEFAULT", True, release_confirm=True)
+            return {"CANCELLED"}
+        return super().invoke(context, event)
+
     def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
         return carried_path(path, angle=self.angle)
 
@@ -290,7 +297,9 @@ class PLANAR_OT_rotate_pins(AboutPivot, bpy.types.Operator):
 class PLANAR_OT_spread_pins(AboutPivot, bpy.types.Operator):
     bl_idname = "planar.spread_pins"
     bl_label = "Spread Pins"
-    bl_description = "Lead the selected pins away from their centre, or gather them there; the drawing follows"
+    bl_description = (
+        "Lead the selected pins away from their centre, or gather them there; the drawing follows"
+    )
 
     mode = "SPREAD"
     model = Spreading

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Adding, selecting and removing pins."""
+"""Adding, selecting, switching and removing pins."""
 
 from __future__ import annotations
 
@@ -205,6 +205,36 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class PLANAR_OT_disable_pins(PinListOperator, bpy.types.Operator):
+    bl_idname = "planar.disable_pins"
+    bl_label = "Disable Pins"
+    bl_description = "Switch the selected pins off: they go where the drawing takes them"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        changed = [pin for pin in context.object.planar.pins if pin.select and pin.enabled]
+        if not changed:
+            self.report({"WARNING"}, "No selected pin is on: click one first")
+            return {"CANCELLED"}
+        for pin in changed:
+            pin.enabled = False
+        return {"FINISHED"}
+
+
+class PLANAR_OT_enable_pins(PinListOperator, bpy.types.Operator):
+    bl_idname = "planar.enable_pins"
+    bl_label = "Enable All Pins"
+    bl_description = "Switch all pins on that are off: they hold the drawing where it is"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        changed = [pin for pin in context.object.planar.pins if not pin.enabled]
+        if not changed:
+            self.report({"INFO"}, "All pins are on")
+            return {"CANCELLED"}
+        for pin in changed:
+            pin.enabled = True
+        return {"FINISHED"}
+
+
 def _list_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why the pin list of an object cannot be changed, and what to do; None if it can."""
     if obj is None or obj.type != "MESH" or not obj.planar.pins:
@@ -228,4 +258,6 @@ CLASSES = (
     PLANAR_OT_remove_pins,
     PLANAR_OT_select_pins,
     PLANAR_OT_set_pin_kind,
+    PLANAR_OT_disable_pins,
+    PLANAR_OT_enable_pins,
 )

@@ -264,7 +264,9 @@ def test_a_recorded_path_that_ends_at_its_offset_is_repeated_to_the_bit(orientat
     recorded = coordinates(obj.data.vertices)
     obj = imported(0.6)
     axes = plane_axes(begin(bpy.context).frame, orientation)
-    drag(offset=axes.values(np.float32(path[-1, :2]).astype(float)), path=packed(path), orientation=orientation)
+    drag(
+        offset=axes.values(np.float32(path[-1, :2]).astype(float)), path=packed(path), orientation=orientation
+    )
     assert np.array_equal(coordinates(obj.data.vertices), recorded)
     obj = imported(0.6)
     drag(offset=(0.1, 0.1), path=packed(path), orientation=orientation)

@@ -149,6 +149,15 @@ def put_away() -> None:
         area.header_text_set(None)
 
 
+def is_dragged(context: bpy.types.Context, event: bpy.types.Event, press: tuple[float, float]) -> bool:
+    """Whether the mouse, pressed there in the window, has gone so far that it drags and does not click."""
+    inputs = context.preferences.inputs
+    far: float = inputs.drag_threshold_tablet if event.is_tablet else inputs.drag_threshold_mouse
+    far *= context.preferences.system.ui_scale
+    x, y = press
+    return bool(event.type == "MOUSEMOVE" and max(abs(event.mouse_x - x), abs(event.mouse_y - y)) >= far)
+
+
 class Interactive:
     """Modal part of an operator with a Session in `_session`.
 

@@ -164,6 +164,20 @@ def add_on_group(obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str)
     return _append(obj, group, kind, owns_group=False)
 
 
+def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> None:
+    """Let a pin be a patch of these mesh vertices. A group that is not the pin's alone stays as it is."""
+    pin = obj.planar.pins[index]
+    alone = pin.owns_group and sum(other.group == pin.group for other in obj.planar.pins) == 1
+    group = obj.vertex_groups.get(pin.group) if alone else None
+    if group is None:
+        group = obj.vertex_groups.new(name=GROUP_NAME)
+    group.remove(range(len(obj.data.vertices)))
+    group.add(vertices, 1.0, "REPLACE")
+    pin.group, pin.group_index, pin.owns_group, pin.kind = group.name, group.index, True, "PATCH"
+    pin.has_target, pin.angle = False, 0.0  # it holds the drawing as it is now
+    obj.planar.group_count = len(obj.vertex_groups)
+
+
 def remove(obj: bpy.types.Object, indices: Iterable[int]) -> None:
     """Remove pins, and the groups that were made for them unless another pin uses them."""
     settings = obj.planar

@@ -25,10 +25,11 @@ NEAR_RING = 6.0  # within which the mouse is on the ring, unless it is on a pin
 
 @dataclass(frozen=True)
 class Ring:
-    """What is turned together."""
+    """What is turned together, or one pin that can be made a patch of another size."""
 
     centre: Array  # (3,) in the world, about which it is turned
-    patch: PinPlace | None  # that is turned alone, if it is one
+    only: PinPlace | None = None  # the one pin, if it is one
+    turns: bool = True  # a point alone does not
 
 
 def ray(
@@ -79,15 +80,30 @@ def pin_under(
     return nearest[1] if nearest[0] <= reach else None
 
 
+def pins_within(
+    region: bpy.types.Region,
+    view: bpy.types.RegionView3D,
+    pins: Iterable[PinPlace],
+    corner: Sequence[float],
+    opposite: Sequence[float],
+) -> list[int]:
+    """The indices of the pins that are seen in a box."""
+    low, high = np.minimum(corner, opposite), np.maximum(corner, opposite)
+    seen = {pin.key: location_3d_to_region_2d(region, view, Vector(pin.place)) for pin in pins}
+    return [
+        key
+        for key, place in seen.items()
+        if place is not None and bool(np.all((low <= np.array(place)) & (np.array(place) <= high)))
+    ]
+
+
 def ring_about(obj: bpy.types.Object, pins: Iterable[PinPlace]) -> Ring | None:
-    """The ring about the selected pins of an object that hold it; None for a point alone and for none."""
+    """The ring about the selected pins of an object that hold it; None where there are none."""
     settings = obj.planar.pins
     chosen = [pin for pin in pins if settings[pin.key].select and settings[pin.key].enabled]
     if len(chosen) > 1:
-        return Ring(np.mean([pin.target for pin in chosen], axis=0), None)
-    if chosen and settings[chosen[0].key].kind == "PATCH":
-        return Ring(chosen[0].target, chosen[0])
-    return None
+        return Ring(np.mean([pin.target for pin in chosen], axis=0))
+    return Ring(chosen[0].target, chosen[0], settings[chosen[0].key].kind == "PATCH") if chosen else None
 
 
 def on_ring(

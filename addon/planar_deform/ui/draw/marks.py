@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import blf
@@ -23,6 +23,7 @@ SELECTED = (1.0, 0.55, 0.08, 1.0)
 OFF = (0.45, 0.45, 0.47, 0.55)
 RIM = (0.04, 0.04, 0.05, 0.95)
 LIT = (1.0, 1.0, 1.0, 1.0)
+FAINT = (0.90, 0.91, 0.93, 0.35)
 MISSED = (1.0, 0.22, 0.20, 1.0)
 
 Colour = tuple[float, ...]  # red, green, blue and alpha
@@ -87,6 +88,21 @@ def draw_ring(centre: Vector, radius: float, knob: Vector, scale: float, *, lit:
         gpu.matrix.translate((knob.x * radius, knob.y * radius))
         _shape("disc", _CIRCLE, RADIUS * 0.8 * scale, color)
         _outline("circle", _CIRCLE, RADIUS * 0.8 * scale, RIM, OUTLINE * scale)
+
+
+def draw_size_ring(centre: Vector, radius: float, scale: float) -> None:
+    """The ring of a point, which turns nothing: it is there to be dragged into a patch."""
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((centre.x, centre.y))
+        _outline("circle", _CIRCLE, radius, FAINT, 0.75 * OUTLINE * scale)
+
+
+def draw_strip(corners: Iterable[tuple[float, float]], scale: float) -> None:
+    """A line along corners."""
+    content = {"pos": list(corners)}
+    for color, width in ((RIM, 1.5 * OUTLINE), (PLAIN, 0.5 * OUTLINE)):
+        shader = _pen(color, width * scale)
+        batch_for_shader(shader, "LINE_STRIP", content).draw(shader)
 
 
 def draw_text(x: float, y: float, text: str, scale: float, *, centred: bool = False) -> None:

@@ -71,8 +71,8 @@ class PLANAR_GT_ring(bpy.types.Gizmo):
     ring: Ring | None  # what the ring is about, if anything
 
     def test_select(self, context: bpy.types.Context, location: Sequence[float]) -> int:
-        """Whether the mouse is on the ring and on no pin."""
-        if self.ring is None:
+        """Whether the mouse is on the ring of what can be turned and on no pin."""
+        if self.ring is None or not self.ring.turns:
             return -1
         region, view = context.region, context.region_data
         if pin_under(region, view, self.all_marks, location) is not None:
@@ -82,18 +82,22 @@ class PLANAR_GT_ring(bpy.types.Gizmo):
     def draw(self, context: bpy.types.Context) -> None:
         if self.ring is None:
             return
-        region, ring, patch = context.region, self.ring, self.ring.patch
+        region, ring, only = context.region, self.ring, self.ring.only
         centre = location_3d_to_region_2d(region, context.region_data, Vector(ring.centre))
         if centre is None:
             return
-        knob = Vector((0.0, 1.0)) if patch is None else _seen(context, ring.centre, patch.turned)
         scale = context.preferences.system.ui_scale
+        if not ring.turns:
+            with marks.pixels(region):
+                marks.draw_size_ring(centre, RING * scale, scale)
+            return
+        knob = Vector((0.0, 1.0)) if only is None else _seen(context, ring.centre, only.turned)
         with marks.pixels(region):
             marks.draw_ring(centre, RING * scale, knob, scale, lit=self.is_highlight or self.is_modal)
-            if patch is not None:
+            if only is not None:
                 x, y = centre + (RING + BESIDE_KNOB) * scale * knob
                 y -= 0.35 * marks.TEXT * scale  # from the middle of the letters to their foot
-                marks.draw_text(x, y, f"{math.degrees(patch.angle):.1f}°", scale, centred=True)
+                marks.draw_text(x, y, f"{math.degrees(only.angle):.1f}°", scale, centred=True)
 
 
 class PLANAR_GGT_pins(bpy.types.GizmoGroup):

@@ -20,6 +20,13 @@ def _key(operator: str, key: str, *, properties: list[Setting] | None = None, **
     return operator, event, {"properties": properties} if properties else None
 
 
+def _guarded(
+    operator: str, key: str, properties: list[Setting] | None = None, **modifiers: bool
+) -> tuple[Key, Key]:
+    guard = _key("planar.guard_key", key, properties=[("operator", operator)], **modifiers)
+    return guard, _key(f"planar.{operator}", key, properties=properties, **modifiers)
+
+
 class PoseTool(bpy.types.WorkSpaceTool):
     bl_space_type = "VIEW_3D"
     bl_context_mode = "OBJECT"
@@ -29,23 +36,30 @@ class PoseTool(bpy.types.WorkSpaceTool):
         "Drag pins; the drawing follows.\n"
         "• Click selects a pin, Shift-click adds to the selection.\n"
         "• Ctrl-click adds a pin to the active mesh.\n"
-        "• G moves, R turns, X removes the selected pins"
+        "• G moves, R turns, S spreads, X removes the selected pins.\n"
+        "• I keys the pose"
     )
     bl_icon = "ops.pose.push"
     bl_widget = PLANAR_GGT_pins.bl_idname
-    # None of the operators for single keys has a poll: a key whose operator does not apply would go on to
-    # Blender's own, which moves or deletes the whole object. They take the key and say why nothing happens.
+    # A key whose operator does not apply would go on to Blender's own, which moves or deletes the object.
+    # Operators without a poll take the key and say why nothing happens; before the others stands a guard.
     bl_keymap = (
         _key("planar.click", "LEFTMOUSE"),
         _key("planar.click", "LEFTMOUSE", shift=True, properties=[("extend", True)]),
         _key("planar.click", "LEFTMOUSE", ctrl=True, properties=[("add", True)]),
+        _key("planar.pin_menu", "RIGHTMOUSE"),
         _key("planar.drag_pins", "G"),
         _key("planar.rotate_pins", "R"),
-        _key("planar.remove_pins", "X"),
-        _key("planar.remove_pins", "DEL"),
-        _key("planar.select_pins", "A", properties=[("action", "ALL")]),
-        _key("planar.select_pins", "A", alt=True, properties=[("action", "NONE")]),
-        _key("planar.select_pins", "I", ctrl=True, properties=[("action", "INVERT")]),
+        _key("planar.spread_pins", "S"),
+        *_guarded("remove_pins", "X"),
+        *_guarded("remove_pins", "DEL"),
+        *_guarded("select_pins", "A", [("action", "ALL")]),
+        *_guarded("select_pins", "A", [("action", "NONE")], alt=True),
+        *_guarded("select_pins", "I", [("action", "INVERT")], ctrl=True),
+        *_guarded("box_select_pins", "B"),
+        *_guarded("disable_pins", "H"),
+        *_guarded("enable_pins", "H", alt=True),
+        *_guarded("key_pose", "I"),
     )
 
     @staticmethod

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Selecting pins by a box."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..scene.view import snapshot
+from ..scene.view.mouse import hidden_refusal, pins_within
+from .modal.gesture_run import GestureRun
+from .modal.session import PASSED_ON
+from .pins import PinListOperator
+
+KEYS = "Drag a Box: Select   Shift or MMB: Deselect   Esc or RMB: Cancel"
+BUTTONS = ("LEFTMOUSE", "MIDDLEMOUSE")
+
+
+class PLANAR_OT_box_select_pins(PinListOperator, bpy.types.Operator):
+    bl_idname = "planar.box_select_pins"
+    bl_label = "Box Select Pins"
+    bl_description = "Select the pins in a box, with Shift deselect them; the others stay as they are"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        reason = super().refusal(context) or hidden_refusal(context)
+        return reason or (None if context.region_data else "Pins are selected in a 3D view: start it there")
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self._start: tuple[float, float] | None = None
+        self._button = ""
+        self._run = GestureRun(context, KEYS, "CROSSHAIR")
+        self._show(context, event)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if not self._run.on:
+            return {"CANCELLED"}
+        if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
+            self._run.end()
+            return {"CANCELLED"}
+        if event.type in BUTTONS and event.value == "PRESS" and self._start is None:
+            self._start, self._button = _place(event), event.type
+        elif event.type == self._button and event.value == "RELEASE":
+            return self._confirm(context, event)
+        elif event.type.startswith(PASSED_ON):
+            return {"PASS_THROUGH"}
+        self._show(context, event)
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the operator itself: another file is loaded, the window closes."""
+        if self._run.on:
+            self._run.end()
+
+    def _confirm(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self._run.end()
+        seen = snapshot.in_view(context)
+        if seen is None or self._start is None:
+            return {"CANCELLED"}
+        inside = pins_within(context.region, context.region_data, seen.pins, self._start, _place(event))
+        wanted = not event.shift and self._button == "LEFTMOUSE"
+        pins = context.object.planar.pins
+        changed = [pins[index] for index in inside if pins[index].select != wanted]
+        for pin in changed:
+            pin.select = wanted
+        return {"FINISHED"} if changed else {"CANCELLED"}
+
+    def _show(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
+        (x, y), region = _place(event), context.region
+        if self._start is None:
+            self._run.show([((x, 0), (x, region.height)), ((0, y), (region.width, y))])
+        else:
+            a, b = self._start
+            self._run.show([((a, b), (x, b), (x, y), (a, y), (a, b))])
+
+
+def _place(event: bpy.types.Event) -> tuple[float, float]:
+    return event.mouse_region_x, event.mouse_region_y
+
+
+CLASSES = (PLANAR_OT_box_select_pins,)

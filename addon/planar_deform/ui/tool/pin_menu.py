@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The menu of pins, on the right mouse button over one."""
+
+from __future__ import annotations
+
+import bpy
+
+
+class PLANAR_MT_pins(bpy.types.Menu):
+    bl_idname = "PLANAR_MT_pins"
+    bl_label = "Pins"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.operator_context = "INVOKE_REGION_WIN"
+        layout.operator("planar.key_pose", icon="KEY_HLT")
+        layout.separator()
+        layout.operator("planar.reset_selected_pins")
+        layout.operator("planar.settle_pose")
+        layout.separator()
+        layout.operator("planar.set_pin_kind", text="Make Points", icon="DOT").kind = "POINT"
+        layout.operator("planar.set_pin_kind", text="Make Patches", icon="MESH_PLANE").kind = "PATCH"
+        layout.operator("planar.set_pin_radius")
+        layout.separator()
+        layout.operator("planar.disable_pins", icon="UNPINNED")
+        layout.operator("planar.enable_pins", icon="PINNED")
+        layout.separator()
+        for text, action in (("Select All", "ALL"), ("Select None", "NONE"), ("Invert Selection", "INVERT")):
+            layout.operator("planar.select_pins", text=text).action = action
+        layout.operator("planar.box_select_pins")
+        layout.separator()
+        layout.operator("planar.remove_pins", icon="X")
+
+
+CLASSES = (PLANAR_MT_pins,)
