@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A drawing as it comes from another program: a PNG, and an OBJ of squares over it, measured in its pixels."""
+"""A drawing that comes from another program: a PNG, and an OBJ of squares over it, in its pixels."""
 
 from pathlib import Path
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first shot, as docs/first_shot.md tells it: an imported drawing, an orthographic camera, mouse and keys."""
+"""A first shot, as docs/first_shot.md has it: an imported drawing, an orthographic camera, mouse and keys."""
 
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -38,7 +38,7 @@ def on_stage(window: Window) -> Iterator[None]:
 
 def at(obj: bpy.types.Object, pixel: Sequence[float]) -> tuple[float, float, float]:
     """A pixel of the drawing in the world."""
-    x, y, z = obj.matrix_world @ Vector((*pixel, 0.0))
+    x, y, z = obj.matrix_world @ Vector((*pixel[:2], 0.0))
     return (x, y, z)
 
 
@@ -73,7 +73,7 @@ def go_to(window: Window, frame: int) -> Iterator[None]:
 
 def pulled(window: Window, index: int, dx: float, dz: float) -> Iterator[None]:
     """Drag a pin with the mouse."""
-    x, y, z = pin_place(index)
+    x, y, z = at(active(), pin_place(index))
     yield from window.drag(window.pixel((x, y, z)), window.pixel((x + dx, y, z + dz)))
 
 
@@ -166,7 +166,7 @@ def test_ten_seconds_by_mouse_and_keys(window: Window) -> Iterator[None]:
     for frame in range(1, 61):
         bpy.context.scene.frame_set(frame)
         feet.append([pin_place(LEFT_FOOT), pin_place(RIGHT_FOOT)])
-    assert np.ptp(np.array(feet), axis=0).max() < 0.005 * size * UNITS, "the feet stand through the squat"
+    assert np.ptp(np.array(feet), axis=0).max() < 0.005 * size, "the feet stand through the squat"
     bpy.context.scene.frame_set(90)
     yield from window.wait(0.3)
     window.picture("first_shot_between")
