@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from harness import addon  # type: ignore[import-not-found]  # tests of the window run in it
+import test_first_shot as first_shot  # type: ignore[import-not-found]  # tests of the window run in the harness
+from harness import addon  # type: ignore[import-not-found]
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -123,6 +124,30 @@ def switch_off(*names: str) -> None:
 def released(window: Any) -> Iterator[None]:
     yield from window.release()
     yield from window.settled()
+
+
+def test_the_first_shot(window: Any) -> Iterator[None]:
+    """The shot that is a test of the window, too."""
+    yield from first_shot.on_stage(window)
+    yield from first_shot.through_the_camera(window)
+    yield from first_shot.take_the_tool(window)
+    yield from first_shot.pins_put(window)
+    yield from window.wait(0.3)
+    save("first_shot_pins", shot(window, "first_shot_pins"))
+    yield from first_shot.poses_keyed(window)
+    shots = []
+    for frame in (1, 60, 120, 180, first_shot.LAST):
+        bpy.context.scene.frame_set(frame)
+        yield from window.wait(0.3)
+        shots.append(shot(window, f"first_shot_{frame}"))
+    save("first_shot_poses", *shots, crop="260x330+420+190")
+    yield from window.sidebar()
+    yield from window.push("planar.generate_inbetweens")
+    yield from window.wait(0.5)
+    bpy.context.object.planar.show_onion = True
+    bpy.context.scene.frame_set(90)
+    yield from window.wait(0.5)
+    save("first_shot_generated", shot(window, "first_shot_generated"))
 
 
 def test_the_pose_tool(window: Any) -> Iterator[None]:
