@@ -140,7 +140,7 @@ def test_the_first_shot(window: Any) -> Iterator[None]:
         bpy.context.scene.frame_set(frame)
         yield from window.wait(0.3)
         shots.append(shot(window, f"first_shot_{frame}"))
-    save("first_shot_poses", *shots, crop="260x330+420+190")
+    save("first_shot_poses", *shots, crop="300x330+400+190")
     yield from window.sidebar()
     yield from window.push("planar.generate_inbetweens")
     yield from window.wait(0.5)

@@ -25,9 +25,9 @@ def on_stage(window: Window) -> Iterator[None]:
     obj.scale = (UNITS,) * 3
     obj.location = (-imported.WIDTH / 2 * UNITS, 0.0, 0.0)
     data = bpy.data.cameras.new("Camera")
-    data.type, data.ortho_scale = "ORTHO", 12.0
+    data.type, data.ortho_scale = "ORTHO", 14.0
     camera = bpy.data.objects.new("Camera", data)
-    camera.location, camera.rotation_euler = (0.0, -20.0, 3.2), (np.pi / 2, 0.0, 0.0)
+    camera.location, camera.rotation_euler = (0.0, -20.0, 3.6), (np.pi / 2, 0.0, 0.0)
     bpy.context.collection.objects.link(camera)
     bpy.context.scene.camera = camera
     shading = window.area.spaces.active.shading
@@ -126,9 +126,9 @@ def poses_keyed(window: Window) -> Iterator[None]:
     for frame, pose in (
         (1, arms_up(window)),
         (60, squat(window)),
-        (120, jump(window, "1.5", "1")),
+        (120, jump(window, "1.2", "0.8")),
         (180, nod(window)),
-        (LAST, jump(window, "-1.5", "-1")),
+        (LAST, jump(window, "-1.2", "-0.8")),
     ):
         yield from go_to(window, frame)
         yield from pose
