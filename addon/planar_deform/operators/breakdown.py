@@ -11,7 +11,7 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty
 
 from .. import native
-from ..errors import ObjectGone, Refusal
+from ..errors import ObjectGone, Refusal, try_all
 from ..model.input.breakdown import FURTHEST, OVERSHOOT, WIDTH, Slider, limited
 from ..scene.inbetweens import breakdown
 from ..scene.inbetweens.breakdown import Way
@@ -37,14 +37,15 @@ class _Sliding:
 
     def give_way(self) -> None:
         """See running.Run."""
-        with contextlib.suppress(ObjectGone):
-            self._way.restore()
-        self.let_go()
+        try:
+            with contextlib.suppress(ObjectGone):
+                self._way.restore()
+        finally:
+            self.let_go()
 
     def let_go(self) -> None:
         """See running.Run."""
-        snapshot.release()
-        put_away()
+        try_all((snapshot.release, put_away))
 
 
 class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import time
+import traceback
 from collections.abc import Sequence
 
 import bpy
@@ -130,7 +131,15 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        return super().modal(context, event) if self._waiting is None else self._wait(context, event)
+        if self._waiting is None:
+            return super().modal(context, event)
+        try:
+            return self._wait(context, event)
+        except Exception as error:  # Blender would call again and again
+            traceback.print_exc()
+            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            running.end()
+            return {"CANCELLED"}
 
     def _wait(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Until a pin is pressed."""
@@ -160,10 +169,10 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
         self.pin, self.extend = -1 if pin is None else pin, event.shift
         posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
-        self._mouse = PlaneMouse(posing, region, view, event)
         try:
+            self._mouse = PlaneMouse(posing, region, view, event)
             self._drag = self._mouse.begin("MOVE")
-        except Refusal:
+        except Exception:
             posing.cancel()
             raise
         if context.screen.is_animation_playing:

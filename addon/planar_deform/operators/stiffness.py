@@ -8,6 +8,7 @@ leaves Weight Paint sooner than it could settle is there a step for that.
 
 from __future__ import annotations
 
+import traceback
 from functools import partial
 
 import bpy
@@ -139,6 +140,12 @@ def _look() -> float | None:
         return SOON
     except (Refusal, StoppedError, native.SolveError):
         _stop()
+        return None
+    except Exception:  # the same would go wrong at each look: not again until something else is painted
+        traceback.print_exc()
+        _stop()
+        if obj is not None:
+            obj.planar.solved_stiffness = stiffness.stamp(stiffness.painted(obj))
         return None
 
 

@@ -89,8 +89,10 @@ class LongRun:
 
     def give_way(self) -> None:
         """See running.Run."""
-        self.stop()
-        _status(None)
+        try:
+            self.stop()
+        finally:
+            _status(None)
 
     def let_go(self) -> None:
         """See running.Run. Ended, what writes puts everything back, as long as it is there."""
@@ -157,19 +159,21 @@ class LongOperator(ShapeOperator):
 
     def _look(self, wait: float, write: float) -> set[str]:
         """Go on a little."""
+        done = False
         try:
-            if self._run.advance(wait, write):
-                self._tell(self._run)
-                return self._end({"FINISHED"})
+            done = self._run.advance(wait, write)
+            if not done:
+                _status(f"{self.bl_label}: {self._run.share:.0%}   Esc or RMB: Cancel")
+                return {"RUNNING_MODAL"}
+            self._tell(self._run)
+            return self._end({"FINISHED"})
         except (Refusal, ObjectGone, native.SolveError) as error:
             self.report({"ERROR"}, str(error))
             return self._end({"CANCELLED"})
         except Exception as error:  # Blender would call again and again; nothing may be left half done
             traceback.print_exc()
             self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
-            return self._end({"CANCELLED"})
-        _status(f"{self.bl_label}: {self._run.share:.0%}   Esc or RMB: Cancel")
-        return {"RUNNING_MODAL"}
+            return self._end({"FINISHED"} if done else {"CANCELLED"})
 
     def _tell(self, run: LongRun) -> None:
         if run.summary is not None:
@@ -177,12 +181,17 @@ class LongOperator(ShapeOperator):
 
     def _end(self, result: set[str]) -> set[str]:
         """End it in any way; nothing is left of it but what was written completely."""
-        if not self._run.stopped:
-            self._run.give_way()
-        running.ended(self._run)
+        run = self._run
+        del self._run  # Blender keeps operators that are done, and this has all that was solved
+        running.ended(run)
         if self._clock is not None:
             self._clock.stop()
-        del self._run  # Blender keeps operators that are done, and this has all that was solved
+        try:
+            if not run.stopped:
+                run.give_way()
+        except Exception as error:  # it could not put everything back
+            traceback.print_exc()
+            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
         return result
 
 

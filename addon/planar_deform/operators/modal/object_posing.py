@@ -77,6 +77,7 @@ class ObjectPosing:
         self._pressed, self._extend = pressed, extend
         self._wrote = False
         self._make_model = model
+        self._kept_before: pin_list.SavedResults | None = None
         self._model: Posing | None = None
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
@@ -156,7 +157,9 @@ class ObjectPosing:
 
     def keep(self, solved: Solved) -> None:
         """Let the pins hold the drawing where this, which is shown, left it."""
-        pin_list.store_results(self.drawing.resolve(), self.drawing, solved.results)
+        obj = self.drawing.resolve()
+        self._kept_before = self._kept_before or pin_list.SavedResults(obj)
+        pin_list.store_results(obj, self.drawing, solved.results)
 
     def finish(self, solved: Solved) -> None:
         """End it with this, which is shown; auto-key keys it."""
@@ -170,6 +173,8 @@ class ObjectPosing:
         if self._wrote:
             self._wrote = False
             self.drawing.restore()
+        if self._kept_before is not None:
+            self._kept_before.restore(obj)
         self._select(self._selected_before)
         obj.planar.active_pin = self._active_before
 

@@ -14,7 +14,7 @@ from collections.abc import Callable
 import bpy
 
 from ... import native
-from ...errors import ObjectGone, Refusal
+from ...errors import ObjectGone, Refusal, try_all
 from ...model.posing.posing import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
 from ...scene.view import snapshot
@@ -104,14 +104,15 @@ class Session:
         running.ended(self)
         if self._solving is not None:
             self._solving.stop()
-        snapshot.release()
-        put_away()
+        try_all((snapshot.release, put_away))
 
     def take_back(self) -> None:
         """End it with everything as it was."""
-        self.end()
-        with contextlib.suppress(ObjectGone):  # then there is nothing to put back
-            self.posing.cancel()
+        try:
+            self.end()
+        finally:
+            with contextlib.suppress(ObjectGone):  # then there is nothing to put back
+                self.posing.cancel()
 
     def give_way(self) -> None:
         """See running.Run."""
@@ -177,19 +178,19 @@ class Interactive:
         raise NotImplementedError
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if self._session.ended:
-            self.leave()
-            return {"CANCELLED"}
         try:
+            if self._session.ended:
+                self.leave()
+                return {"CANCELLED"}
             return self._go_on(context, event)
         except Exception as error:  # Blender would call again and again; nothing may be left half done
             traceback.print_exc()
             self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
-        try:
-            self._session.take_back()
-        except Exception:
-            traceback.print_exc()
-        self.leave()
+        for step in (self._session.take_back, self._session.clock.stop):
+            try:
+                step()
+            except Exception:
+                traceback.print_exc()
         return {"CANCELLED"}
 
     def cancel(self, context: bpy.types.Context) -> None:

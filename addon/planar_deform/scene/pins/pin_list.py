@@ -135,6 +135,27 @@ def store_results(obj: bpy.types.Object, drawing: CutoutObject, results: Iterabl
     obj.planar.solved_stiffness = drawing.stiffness_stamp
 
 
+class SavedResults:
+    """What the pins of an object keep of posings, to be put back to the bit."""
+
+    def __init__(self, obj: bpy.types.Object):
+        names = ("target", "reached", "has_target", "angle")
+        self._pins = [{name: _value(pin, name) for name in names} for pin in obj.planar.pins]
+        self._stiffness = obj.planar.solved_stiffness
+
+    def restore(self, obj: bpy.types.Object) -> None:
+        """Put it back, as long as the pins are those."""
+        for pin, values in zip(obj.planar.pins, self._pins, strict=False):
+            for name, value in values.items():
+                setattr(pin, name, value)
+        obj.planar.solved_stiffness = self._stiffness
+
+
+def _value(pin: bpy.types.PropertyGroup, name: str) -> object:
+    value = getattr(pin, name)
+    return tuple(value) if name in {"target", "reached"} else value
+
+
 def forget_targets(obj: bpy.types.Object) -> None:
     """After a reset: the pins hold the drawing where it is, unturned."""
     for pin in obj.planar.pins:
