@@ -215,8 +215,10 @@ def test_in_breakdowns_and_long_jobs(window: Window) -> Iterator[None]:
 def test_in_the_end_of_a_long_job(window: Window) -> Iterator[None]:
     """What cannot be put back must not keep Esc from ending it."""
     yield from ready(window, LEFT, RIGHT)
-    for frame in (1, 25):
+    bpy.ops.planar.select_pins(action="SELECT", pin=1)
+    for frame, up in ((1, 0.3), (25, -0.6)):
         bpy.context.scene.frame_set(frame)
+        bpy.ops.planar.drag_pins(offset=(0.0, up))
         bpy.ops.planar.key_pose()
     bpy.ops.ed.undo_push(message="Two Poses")
     run = addon("operators.modal.long_job").LongRun
