@@ -25,10 +25,11 @@ MAY_IMPORT = {
     "model": frozenset(("native",)),
     "scene": BLENDER | {"compat", "errors", "native", "model"},
     "operators": BLENDER | {"compat", "errors", "native", "model", "scene"},
-    "ui": BLENDER | {"compat", "errors", "model", "scene"},
+    "preferences": BLENDER | {"model"},
+    "ui": BLENDER | {"compat", "errors", "model", "preferences", "scene"},
     "batch": BLENDER | {"errors", "native", "scene"},
     "events": BLENDER | {"compat", "errors", "model", "operators", "scene"},
-    "registration": BLENDER | {"batch", "errors", "events", "operators", "scene", "ui"},
+    "registration": BLENDER | {"batch", "errors", "events", "operators", "preferences", "scene", "ui"},
     "__init__": frozenset(("registration",)),
 }
 # What is in these rooms may import what comes before it there.

@@ -8,7 +8,7 @@ from functools import partial
 
 import bpy
 
-from . import batch, events
+from . import batch, events, preferences
 from .errors import try_all
 from .operators import (
     bake,
@@ -28,6 +28,7 @@ from .operators import (
     stiffness,
 )
 from .scene import properties
+from .ui import menus
 from .ui.draw import gestures, mesh_edges, onion_skin, quality
 from .ui.panels import bake_panel, motion_panel, pins_panel, poses_panel, posing_panel
 from .ui.tool import gizmos, hint, pin_menu, pose_tool
@@ -35,6 +36,7 @@ from .ui.tool import gizmos, hint, pin_menu, pose_tool
 # Each has CLASSES, and register() and unregister() where these are not all; those run with the classes in.
 # The last one is undone first: it ends what is running.
 MODULES = (
+    preferences,
     properties,
     pins,
     rest,
@@ -65,6 +67,7 @@ MODULES = (
     poses_panel,
     motion_panel,
     bake_panel,
+    menus,
     events,
 )
 

@@ -13,13 +13,13 @@ import gpu
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix, Vector
 
-RADIUS = 6.0  # pixels at a UI scale of 1, as all lengths here
+from ...preferences import DEFAULT, looks
+
+RADIUS = DEFAULT.size  # pixels at a UI scale of 1, as all lengths here; the user may want pins larger
 OUTLINE = 2.0
 TEXT = 11.0
 
-# Light, dark-rimmed marks read on any drawing; selected ones have the orange that Blender's selections have.
-PLAIN = (0.90, 0.91, 0.93, 1.0)
-SELECTED = (1.0, 0.55, 0.08, 1.0)
+PLAIN = DEFAULT.pin  # of words
 OFF = (0.45, 0.45, 0.47, 0.55)
 RIM = (0.04, 0.04, 0.05, 0.95)
 LIT = (1.0, 1.0, 1.0, 1.0)
@@ -80,7 +80,7 @@ def draw_patch(
 
 def draw_ring(centre: Vector, radius: float, knob: Vector, scale: float, *, lit: bool) -> None:
     """The ring that turns pins, with a knob in a direction of length 1."""
-    color = LIT if lit else SELECTED
+    color = LIT if lit else looks().selected
     with gpu.matrix.push_pop():
         gpu.matrix.translate((centre.x, centre.y))
         _outline("circle", _CIRCLE, radius, RIM, (2.5 if lit else 1.75) * OUTLINE * scale)

@@ -11,6 +11,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
 from ...model.plane.frame import Array
+from ...preferences import looks
 from ...scene.view import snapshot
 from ...scene.view.mouse import REACH, RING, Ring, on_ring, pin_under, pixels_to, ring_about
 from ...scene.view.snapshot import PinPlace
@@ -48,8 +49,8 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
         place = location_3d_to_region_2d(region, view, Vector(mark.place))
         if place is None:
             return
-        scale = context.preferences.system.ui_scale
-        fill: marks.Colour = marks.SELECTED if pin.select else marks.PLAIN
+        scale, wanted = context.preferences.system.ui_scale, looks()
+        fill: marks.Colour = wanted.selected if pin.select else wanted.pin
         if not pin.enabled:
             fill = tuple(0.5 * (a + b) for a, b in zip(fill, marks.OFF, strict=True))
         state = {"lit": self.is_highlight, "active": settings.active_pin == self.key}
@@ -57,6 +58,7 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
             target = location_3d_to_region_2d(region, view, Vector(mark.target))
             if target is not None and (target - place).length > SHOWN_GAP * scale:
                 marks.draw_gap(place, target, scale)
+            scale *= wanted.size / marks.RADIUS
             if pin.kind == "PATCH":
                 marks.draw_patch(place, _seen(context, mark.place, mark.turned), scale, fill, **state)
             else:

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether a mesh is too coarse to bend: it bends where there are vertices between its two sides."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .cutout import signed_areas
+from .frame import Array, Indices
+
+
+def hinged(rest: Array, triangles: Indices) -> float:
+    """The share of the area, 0 to 1, in which a single row of triangles reaches from rim to rim.
+
+    All corners of such a triangle are on the rim: the drawing folds there as at a hinge, and what is
+    between two hinges stays stiff.
+    """
+    if not len(triangles):
+        return 0.0
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    found, count = np.unique(edges, axis=0, return_counts=True)
+    rim = np.zeros(len(rest), bool)
+    rim[found[count == 1]] = True
+    areas = np.abs(signed_areas(rest, triangles))
+    total = float(areas.sum())
+    return float(areas[rim[triangles].all(axis=1)].sum()) / total if total > 0.0 else 0.0

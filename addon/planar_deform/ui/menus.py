@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that the add-on does, in the 3D view's Object menu: with any tool, and found by Menu Search (F3)."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..scene.motion.bake import FORMS
+
+
+class PlanarMenu:
+    """A menu whose operators ask for the mouse where they need it, as those of Blender's own menus."""
+
+    layout: bpy.types.UILayout  # of Blender's menus
+
+    @property
+    def column(self) -> bpy.types.UILayout:
+        self.layout.operator_context = "INVOKE_REGION_WIN"
+        return self.layout
+
+
+class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
+    bl_label = "Pins"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        place = column.operator("planar.add_pin", text="Add Pin at 3D Cursor", icon="ADD")
+        place.location = context.scene.cursor.location
+        column.menu("PLANAR_MT_add_pins", text="Add Pins")
+        column.separator()
+        column.operator("planar.drag_pins")
+        column.operator("planar.rotate_pins")
+        column.separator()
+        for action, name in (
+            ("ALL", "Select All Pins"),
+            ("NONE", "Deselect Pins"),
+            ("INVERT", "Invert Pins"),
+        ):
+            column.operator("planar.select_pins", text=name).action = action
+        column.separator()
+        column.operator("planar.set_pin_kind", text="Make Selected Pins Points").kind = "POINT"
+        column.operator("planar.set_pin_kind", text="Make Selected Pins Patches").kind = "PATCH"
+        column.separator()
+        column.operator("planar.remove_pins", icon="X")
+
+
+class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
+    bl_label = "Posing"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        column.operator("planar.settle_pose")
+        column.operator("planar.reset_selected_pins")
+        column.operator("planar.reset_to_rest")
+        column.operator("planar.set_rest_to_current")
+        column.separator()
+        column.operator("planar.copy_pose", icon="COPYDOWN")
+        column.operator("planar.paste_pose", icon="PASTEDOWN")
+        column.operator("planar.mirror_pose", icon="MOD_MIRROR")
+        column.separator()
+        column.operator("planar.paint_stiffness", icon="BRUSH_DATA")
+
+
+class PLANAR_MT_poses(PlanarMenu, bpy.types.Menu):
+    bl_label = "Poses"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        column.operator("planar.key_pose", icon="KEY_HLT")
+        column.operator("planar.record_pins", icon="REC")
+        column.operator("planar.breakdown", icon="ARROW_LEFTRIGHT")
+        column.separator()
+        column.operator("planar.jump_to_pose", icon="EYEDROPPER")
+        column.operator("planar.update_pose", icon="FILE_REFRESH")
+        column.operator("planar.duplicate_pose", icon="DUPLICATE")
+        column.operator("planar.retime_pose", icon="TIME")
+        column.operator("planar.delete_pose", icon="REMOVE")
+        column.separator()
+        for step, name in ((1, "On Ones"), (2, "On Twos"), (3, "On Threes")):
+            column.operator("planar.step_poses", text=name).step = step
+        column.separator()
+        column.operator("planar.clear_poses", icon="TRASH")
+
+
+class PLANAR_MT_motion(PlanarMenu, bpy.types.Menu):
+    bl_label = "In-Betweens and Motion"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        column.operator("planar.generate_inbetweens", icon="IPO_EASE_IN_OUT")
+        column.operator("planar.remove_inbetweens", icon="X")
+        column.separator()
+        column.operator("planar.transfer_motion", icon="MOD_DATA_TRANSFER")
+        column.operator("planar.edit_sequence", icon="SMOOTHCURVE")
+        column.operator("planar.thin_poses", icon="MOD_DECIM")
+        column.separator()
+        for form, name, _ in FORMS:
+            column.operator("planar.bake", text=f"Bake to {name}").to = form
+
+
+class PLANAR_MT_object(PlanarMenu, bpy.types.Menu):
+    bl_label = "Planar"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        for menu in (PLANAR_MT_pins, PLANAR_MT_posing, PLANAR_MT_poses, PLANAR_MT_motion):
+            self.column.menu(menu.__name__)
+
+
+def _entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    menu.layout.separator()
+    menu.layout.menu(PLANAR_MT_object.__name__)
+
+
+CLASSES = (PLANAR_MT_pins, PLANAR_MT_posing, PLANAR_MT_poses, PLANAR_MT_motion, PLANAR_MT_object)
+
+
+def register() -> None:
+    """Adds the entry to Blender's menu."""
+    bpy.types.VIEW3D_MT_object.append(_entry)
+
+
+def unregister() -> None:
+    """Takes it away."""
+    bpy.types.VIEW3D_MT_object.remove(_entry)
