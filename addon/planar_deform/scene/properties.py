@@ -250,6 +250,9 @@ class PlanarSettings(bpy.types.PropertyGroup):
     key_before: IntProperty(options={"HIDDEN"})
     # The curve's values before in-betweens were generated, see model/timing/played_curve.py.
     curve_before: StringProperty(options={"HIDDEN"})
+    cache_stamp: StringProperty(
+        options={"HIDDEN"}
+    )  # what the point cache was baked from, see motion/cache_age.py
 
 
 CLASSES = (PlanarPin, PlanarPose, PlanarSettings)

@@ -20,7 +20,7 @@ from ..objects.any_object import shape_refusal
 from ..sequence import playback, pose_edit, pose_showing, pose_state
 from ..sequence.pose_blocks import keyed, own_curve
 from ..storage import points
-from . import point_cache
+from . import cache_age, point_cache
 
 FORMS = (
     (
@@ -113,6 +113,7 @@ def to_point_cache(
             yield share
     obj = find()
     point_cache.play(obj, path, frames)
+    obj.planar.cache_stamp = cache_age.stamp(obj, frames)
     if free:
         pose_edit.clear(obj)
 

@@ -18,6 +18,19 @@ KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
 SHOWN_GAP = 1e-3
 
 
+WIDE = 300.0  # pixels at a UI scale of 1: in a narrower sidebar the names need the room of the weights
+
+
+def _fault(context: bpy.types.Context, pin: bpy.types.PropertyGroup, index: int) -> str | None:
+    """Why a pin does not hold the drawing, and what to do."""
+    if pin.group not in context.object.vertex_groups:
+        return "The vertex group is gone: choose another one"
+    seen = snapshot.of_active(context)
+    if seen is not None and not seen.refusal and seen.pin(index) is None:
+        return "The vertex group holds no vertices of faces: assign some in Edit Mode"
+    return None
+
+
 class PLANAR_UL_pins(bpy.types.UIList):
     bl_idname = "PLANAR_UL_pins"
 
@@ -32,18 +45,16 @@ class PLANAR_UL_pins(bpy.types.UIList):
         active_propname: str,
         index: int,
     ) -> None:
-        obj = context.object
         row = layout.row(align=True)
         row.active = item.enabled
         row.prop(item, "select", text="", emboss=False, icon="RADIOBUT_ON" if item.select else "RADIOBUT_OFF")
         row.prop(item, "name", text="", emboss=False, icon=KIND_ICONS[item.kind])
-        if item.group not in obj.vertex_groups:
-            row.label(text="no group", icon="ERROR")
-        elif (seen := snapshot.of_active(context)) and not seen.refusal and seen.pin(index) is None:
-            row.label(text="empty", icon="ERROR")
-        weight = row.row(align=True)
-        weight.ui_units_x = 2.5
-        weight.prop(item, "weight", text="", emboss=False)
+        if _fault(context, item, index) is not None:
+            row.label(text="", icon="ERROR")
+        if context.region.width > WIDE * context.preferences.system.ui_scale:
+            weight = row.row(align=True)
+            weight.ui_units_x = 2.5
+            weight.prop(item, "weight", text="", emboss=False)
         row.prop(item, "enabled", text="", emboss=False, icon="PINNED" if item.enabled else "UNPINNED")
 
 
@@ -98,6 +109,9 @@ def _draw_pin(
     column.prop_search(pin, "group", obj, "vertex_groups", text="Group")
     column.prop(pin, "enabled")
     column.prop(pin, "weight")
+    fault = _fault(context, pin, index)
+    if fault is not None:
+        lines(column, fault, "ERROR", context)
     seen = snapshot.of_active(context)
     place = None if seen is None else seen.pin(index)
     if place is None:

@@ -7,8 +7,10 @@ from typing import ClassVar
 
 import bpy
 
+from ...scene.motion import cache_age
 from ...scene.objects.any_object import is_outline, shape_refusal
 from ...scene.sequence import pose_list, pose_state, stretches
+from ...scene.sequence.held import Held, held
 from .tab import PlanarPanel, lines
 
 
@@ -16,6 +18,7 @@ class PLANAR_UL_poses(bpy.types.UIList):
     bl_idname = "PLANAR_UL_poses"
 
     stale: ClassVar[set[int]] = set()  # poses behind which in-betweens are to be generated again
+    held: ClassVar[set[int]] = set()  # poses that no frame shows
 
     def draw_item(
         self,
@@ -34,13 +37,16 @@ class PLANAR_UL_poses(bpy.types.UIList):
         row.prop(item, "name", text="", emboss=False, icon="KEYFRAME_HLT" if here else "KEYFRAME")
         if index in self.stale:
             row.label(text="", icon="FILE_REFRESH")
+        if index in self.held:
+            row.label(text="", icon="HIDE_ON")
         side = row.row(align=True)
-        side.ui_units_x = 3.5
+        side.ui_units_x = 2.5  # what is left is for the name
         side.alignment = "RIGHT"
         if len(frames) == 1 and frames[0] == round(frames[0]):
             side.prop(item, "frame", text="", emboss=False)
         else:
-            side.label(text=", ".join(f"{frame:g}" for frame in frames) if frames else "no frame")
+            more = f" +{len(frames) - 1}" if len(frames) > 1 else ""
+            side.label(text=f"{frames[0]:g}{more}" if frames else "none")
 
 
 class PLANAR_MT_pose(bpy.types.Menu):
@@ -66,9 +72,10 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         obj = context.object
-        stale = stretches.stale(obj)
+        stale, unseen = stretches.stale(obj), held(obj)
         if pose_state.has_blocks(obj):
             PLANAR_UL_poses.stale = {before for before, _ in stale}
+            PLANAR_UL_poses.held = {pose for pose, *_ in unseen}
             row = layout.row()
             row.template_list("PLANAR_UL_poses", "", obj.planar, "poses", obj.planar, "active_pose", rows=5)
             column = row.column(align=True)
@@ -78,6 +85,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             column.menu("PLANAR_MT_pose", text="", icon="DOWNARROW_HLT")
             column.separator()
             column.prop(obj.planar, "show_onion", text="", icon="ONIONSKIN_ON")
+            _draw_frames(layout, context)
         row = layout.row(align=True)
         row.operator("planar.key_pose", icon="KEY_HLT")
         row.operator("planar.record_pins", icon="REC")
@@ -92,9 +100,9 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             row.operator("planar.generate_inbetweens", icon="IPO_EASE_IN_OUT")
             if stretches.has_inbetweens(obj):
                 row.operator("planar.remove_inbetweens", text="", icon="X")
-        note = _note(obj) or _stale_note(obj, stale)
-        if note is not None:
-            lines(layout, note, "INFO", context)
+        for note in (_note(obj) or _stale_note(obj, stale), _held_note(obj, unseen), _cache_note(obj)):
+            if note is not None:
+                lines(layout, note, "INFO", context)
 
 
 class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
@@ -127,6 +135,18 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
                 lines(layout, text, "INFO", context)
 
 
+def _draw_frames(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """The frames of the active pose, where there are more than the list has room for."""
+    settings = context.object.planar
+    if 0 <= settings.active_pose < len(settings.poses):
+        frames = pose_state.frames_of(context.object, settings.active_pose)
+        if len(frames) > 1:
+            name = settings.poses[settings.active_pose].name
+            lines(
+                layout, f"{name}: frames {', '.join(f'{frame:g}' for frame in frames)}", "KEYFRAME", context
+            )
+
+
 def _note(obj: bpy.types.Object) -> str | None:
     """What the user should know of the object's poses."""
     if obj.mode == "EDIT" and pose_state.is_ours(obj):
@@ -147,6 +167,25 @@ def _stale_note(obj: bpy.types.Object, stale: list[tuple[int, int]]) -> str | No
     ways = [f"{poses[before].name} to {poses[after].name}" for before, after in stale[:3]]
     more = f" and {len(stale) - 3} more" if len(stale) > 3 else ""
     return f"Out of date: {', '.join(ways)}{more}. Generate In-Betweens fills them anew"
+
+
+def _held_note(obj: bpy.types.Object, unseen: list[Held]) -> str | None:
+    """Which poses are keyed where each frame stays for several, so that none shows them."""
+    if not unseen:
+        return None
+    one = unseen[0]
+    more = f", nor are {len(unseen) - 1} more" if len(unseen) > 1 else ""
+    return (
+        f"{obj.planar.poses[one.pose].name} at frame {one.frame:g} is not shown{more}: new ones are shown at "
+        f"{one.before:g} and {one.after:g}. Move it there, or use On Ones"
+    )
+
+
+def _cache_note(obj: bpy.types.Object) -> str | None:
+    """Whether the point cache shows what the poses no longer do."""
+    if not cache_age.is_out_of_date(obj):
+        return None
+    return "The point cache is out of date: the poses have changed since. Bake to Point Cache again"
 
 
 CLASSES = (PLANAR_UL_poses, PLANAR_MT_pose, PLANAR_PT_poses, PLANAR_PT_inbetweens)
