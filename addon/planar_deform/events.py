@@ -17,7 +17,7 @@ from .operators.modal import running
 from .scene import follow
 from .scene.objects import triangulation
 from .scene.storage import changes, digests, migration
-from .scene.view import onion, snapshot
+from .scene.view import coarseness, onion, snapshot
 
 CLASSES = ()
 
@@ -74,6 +74,7 @@ RESET: tuple[Callable[[], None], ...] = (
     digests.forget,
     snapshot.forget,
     onion.forget,
+    coarseness.forget,
     stiffness.forget,
 )
 

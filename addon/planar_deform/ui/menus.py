@@ -59,6 +59,7 @@ class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
         column.operator("planar.mirror_pose", icon="MOD_MIRROR")
         column.separator()
         column.operator("planar.paint_stiffness", icon="BRUSH_DATA")
+        column.operator("planar.refine_mesh", icon="MOD_SUBSURF")
 
 
 class PLANAR_MT_poses(PlanarMenu, bpy.types.Menu):

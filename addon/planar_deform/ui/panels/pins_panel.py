@@ -10,7 +10,7 @@ import numpy as np
 
 from ...scene.objects import modifiers
 from ...scene.objects.cutout_object import pose_refusal
-from ...scene.view import snapshot
+from ...scene.view import coarseness, snapshot
 from .tab import PlanarPanel, lines
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
@@ -70,6 +70,14 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
             lines(layout, reason, "INFO", context)
         if obj is None or obj.type != "MESH":
             return
+        if reason is None and coarseness.of(obj):
+            lines(
+                layout,
+                "The mesh is too coarse to bend: it needs two rows of faces and more",
+                "ERROR",
+                context,
+            )
+            layout.operator("planar.refine_mesh", icon="MOD_SUBSURF")
         settings = obj.planar
         row = layout.row()
         row.template_list("PLANAR_UL_pins", "", settings, "pins", settings, "active_pin", rows=4)
