@@ -205,6 +205,18 @@ class Window:
         """The modal operators that are running."""
         return [operator.bl_idname for operator in self.window.modal_operators]
 
+    def reports(self) -> str:
+        """All that operators have reported so far, as the Info editor lists it."""
+        area = min(self.window.screen.areas, key=lambda a: a.width * a.height)
+        kind, area.type = area.type, "INFO"
+        region = next(region for region in area.regions if region.type == "WINDOW")
+        with bpy.context.temp_override(window=self.window, area=area, region=region):
+            bpy.ops.info.select_all(action="SELECT")
+            bpy.ops.info.report_copy()
+            bpy.ops.info.select_all(action="DESELECT")
+        area.type = kind
+        return bpy.context.window_manager.clipboard
+
     def colours(self, place: tuple[int, int], radius: int = 12) -> list[tuple[int, int, int]]:
         """The pixels on the screen in a square about a place."""
         x, y = place[0] - radius, self.window.height - 1 - place[1] - radius

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
-from cutouts import active, moved, pin_data, place, ready, selected, shape
+from cutouts import active, imported, moved, pin, pin_data, place, ready, selected, shape
 from harness import Window
+from mathutils import Vector
 
 LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
 
@@ -82,14 +83,89 @@ def test_an_axis_lock_keeps_the_other_axis(window: Window) -> Iterator[None]:
     yield from window.hover(window.pixel((2.0, 0.0, 0.0)))
     yield from window.press()  # the same during a drag with the button down, and freed again
     yield from window.move(window.pixel((2.2, 0.0, 0.6)), steps=3)
-    yield from window.key("Z")
-    yield from window.key("Z")
-    yield from window.key("Z")
+    for _ in range(4):  # global, local, free, global
+        yield from window.key("Z")
     yield from window.release()
     yield from window.settled()
     dx, dz = last().properties.offset
     assert dx == 0.0
     assert abs(dz - 0.6) < 0.03
+
+
+def test_axis_keys_are_the_worlds_axes_and_pressed_twice_the_drawings(window: Window) -> Iterator[None]:
+    for turn in (0.0, 0.5):
+        obj = imported()
+        obj.rotation_euler.y = turn
+        bpy.context.view_layer.update()
+        right = obj.matrix_world @ Vector((0.75, 0.0, 0.0))
+        pin(obj.matrix_world @ Vector((-0.75, 0.0, 0.0)), right)
+        bpy.ops.ed.undo_push(message="Test Scene")
+        yield from window.look()
+        yield from window.use_tool()
+        yield from window.click(window.pixel(right))
+        own = active().matrix_world.to_3x3().normalized()
+        for keys, way in (("Z", (0, 0, 1)), ("X", (1, 0, 0)), ("XX", own.col[0]), ("Y", own.col[1])):
+            yield from window.hover(window.pixel(place(1)))
+            start = place(1)
+            yield from window.key("G")
+            for key in keys:
+                yield from window.key(key)
+            yield from window.move((window.mouse[0] + 40, window.mouse[1] + 60), steps=3)
+            window.picture(f"axis-{turn}-{keys}")
+            yield from window.confirm()
+            gone = place(1) - start
+            assert np.linalg.norm(gone) > 0.2, keys
+            assert np.linalg.norm(np.cross(gone, way)) < 0.04, f"{keys} at {turn}: {gone}"
+            yield from window.undo()
+        yield from window.key("G")
+        yield from window.key("Z")
+        yield from window.type("0.25")
+        yield from window.confirm()
+        assert np.allclose(place(1) - np.array(right), (0.0, 0.0, 0.25), atol=0.02)
+        assert np.allclose(last().properties.offset, (0.0, 0.25), atol=1e-6)
+        redo_with(window, offset=(0.1, 0.3))
+        yield
+        assert np.allclose(place(1) - np.array(right), (0.1, 0.0, 0.3), atol=0.02), "the redo panel follows"
+        yield from window.undo()
+        yield from window.key("G")
+        yield from window.key("Z")
+        yield from window.key("Z")  # local Z leaves the plane: free again, along the world's axes
+        yield from window.type("0.2")
+        yield from window.key("TAB")
+        yield from window.type("0.1")
+        yield from window.confirm()
+        assert np.allclose(place(1) - np.array(right), (0.2, 0.0, 0.1), atol=0.02)
+        bpy.data.objects.remove(active())
+
+
+def test_s_spreads_and_gathers(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.key("A")
+    before, pins = shape(), pin_data()
+    yield from window.hover(window.pixel((1.0, 0.0, 0.0)))
+    yield from window.key("S")
+    assert window.busy == ["PLANAR_OT_spread_pins"]
+    yield from window.move(window.pixel((0.5, 0.0, 0.0)), steps=4)
+    yield from window.settled()
+    assert np.allclose(place(1), (0.75, 0.0, 0.0), atol=0.08), place(1)
+    assert np.allclose(place(0), (-0.75, 0.0, 0.0), atol=0.08), place(0)
+    yield from window.key("ESC")
+    assert np.array_equal(shape(), before)
+    assert pin_data() == pins
+    yield from window.key("S")
+    yield from window.type("1.2")
+    yield from window.confirm()
+    assert np.allclose(place(1), (1.8, 0.0, 0.0), atol=0.05), place(1)
+    assert abs(last().properties.factor - 1.2) < 1e-6
+    typed = shape()
+    redo_with(window)
+    yield
+    assert np.array_equal(shape(), typed), "unchanged it gives the same bits"
+    redo_with(window, factor=0.8)
+    yield
+    assert np.allclose(place(1), (1.2, 0.0, 0.0), atol=0.05), place(1)
+    yield from window.undo()
+    assert np.array_equal(shape(), before), "it is one undo step"
 
 
 def test_shift_is_precise_and_does_not_jump(window: Window) -> Iterator[None]:

@@ -129,7 +129,10 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
 
 
 class PLANAR_OT_guard_key(bpy.types.Operator):
-    """Stands in the tool's keymap before an operator whose poll would otherwise let the key through."""
+    """Stands in the tool's keymap beside an operator whose poll would otherwise let the key through.
+
+    Before it or behind, as Blender orders the two.
+    """
 
     bl_idname = "planar.guard_key"
     bl_label = "Guard Key"
@@ -139,10 +142,8 @@ class PLANAR_OT_guard_key(bpy.types.Operator):
     operator: StringProperty(name="Operator", description="Name of the operator, without 'planar.'")
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        guarded = getattr(bpy.types, f"PLANAR_OT_{self.operator}")
-        reason = hidden_refusal(context)
-        if reason is None and issubclass(guarded, Refusing):
-            reason = guarded.refusal(context)
+        guarded: type[Refusing] = getattr(bpy.types, f"PLANAR_OT_{self.operator}")
+        reason = guarded.refusal(context)
         if reason is None:
             return {"PASS_THROUGH"}  # to the operator
         self.report({"WARNING"}, reason)

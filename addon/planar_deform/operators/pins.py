@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import bpy
 import numpy as np
@@ -14,6 +14,7 @@ from ..scene.objects.cutout_object import CutoutObject, begin, pose_refusal
 from ..scene.pins import pin_list
 from ..scene.properties import KINDS
 from ..scene.storage import migration
+from ..scene.view.mouse import hidden_refusal
 from .modal import running
 from .posing_operator import PosingOperator, Refusing
 
@@ -115,7 +116,21 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
         _select(obj, range(first, len(obj.planar.pins)))
 
 
-class PinListOperator(Refusing):
+class NotHidden:
+    """Refused to the mouse and to keys where the view at hand does not show the pins. Scripts may do it."""
+
+    report: Callable[[set[str], str], None]  # of Blender's operators
+    execute: Callable[[bpy.types.Context], set[str]]
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        reason = hidden_refusal(context)
+        if reason is None:
+            return self.execute(context)
+        self.report({"WARNING"}, reason)
+        return {"CANCELLED"}
+
+
+class PinListOperator(NotHidden, Refusing):
     """Works on the pin list alone, of a mesh that may not be fit for posing at the moment."""
 
     bl_options = {"REGISTER", "UNDO"}
@@ -125,7 +140,7 @@ class PinListOperator(Refusing):
         return _list_refusal(context.object)
 
 
-class PLANAR_OT_remove_pins(bpy.types.Operator):
+class PLANAR_OT_remove_pins(NotHidden, bpy.types.Operator):
     """Has no poll: in the Pose tool, X must never go on to Blender's own, which deletes the object."""
 
     bl_idname = "planar.remove_pins"

@@ -11,18 +11,43 @@ from .tool_state import pose_tool_is_active
 
 CLASSES = ()
 
+FIRST = "Ctrl-click the drawing to add a pin, then drag it"
+
+_shown: dict[int, str] = {}  # by a window's address: what its status bar has been drawn with
+_handle: object | None = None
+
+
+def _text(context: bpy.types.Context) -> str:
+    if not pose_tool_is_active(context) or has_pins(context.object):
+        return ""
+    return pose_refusal(context.object) or FIRST
+
 
 def _draw(header: bpy.types.Header, context: bpy.types.Context) -> None:
-    if not pose_tool_is_active(context) or has_pins(context.object):
-        return
-    reason = pose_refusal(context.object)
-    text = "Ctrl-click the drawing to add a pin, then drag it" if reason is None else reason
-    header.layout.label(text=text, icon="INFO")
+    text = _text(context)
+    if text:
+        header.layout.label(text=text, icon="INFO")
+
+
+def _watch() -> None:
+    """Whatever brings or takes the hint redraws a 3D view, and nothing else tells the status bar."""
+    context = bpy.context
+    window, text = context.window.as_pointer(), _text(context)
+    if _shown.get(window, "") != text:
+        _shown[window] = text
+        context.workspace.status_text_set(None)  # there is no other way to have it drawn anew
 
 
 def register() -> None:
+    global _handle
     bpy.types.STATUSBAR_HT_header.prepend(_draw)
+    _handle = bpy.types.SpaceView3D.draw_handler_add(_watch, (), "WINDOW", "POST_PIXEL")
 
 
 def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+    _handle = None
     bpy.types.STATUSBAR_HT_header.remove(_draw)
+    _shown.clear()

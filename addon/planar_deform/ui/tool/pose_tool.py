@@ -42,7 +42,7 @@ class PoseTool(bpy.types.WorkSpaceTool):
     bl_icon = "ops.pose.push"
     bl_widget = PLANAR_GGT_pins.bl_idname
     # A key whose operator does not apply would go on to Blender's own, which moves or deletes the object.
-    # Operators without a poll take the key and say why nothing happens; before the others stands a guard.
+    # Operators without a poll take the key and say why nothing happens; beside the others stands a guard.
     bl_keymap = (
         _key("planar.click", "LEFTMOUSE"),
         _key("planar.click", "LEFTMOUSE", shift=True, properties=[("extend", True)]),
@@ -51,8 +51,8 @@ class PoseTool(bpy.types.WorkSpaceTool):
         _key("planar.drag_pins", "G"),
         _key("planar.rotate_pins", "R"),
         _key("planar.spread_pins", "S"),
-        *_guarded("remove_pins", "X"),
-        *_guarded("remove_pins", "DEL"),
+        _key("planar.remove_pins", "X"),
+        _key("planar.remove_pins", "DEL"),
         *_guarded("select_pins", "A", [("action", "ALL")]),
         *_guarded("select_pins", "A", [("action", "NONE")], alt=True),
         *_guarded("select_pins", "I", [("action", "INVERT")], ctrl=True),
