@@ -30,7 +30,7 @@ def test_script_of_the_posing_page():
     exec("\n".join(posing), {})
     hand = obj.planar.pins["Hand"]
     moved = (coordinates(obj.data.vertices) - rest)[[79, 80, 71, 70]].mean(axis=0)
-    assert np.allclose(moved, (0.4, 0.0, 1.1), atol=0.02)  # pins are soft: near their targets
+    assert np.allclose(moved, (0.4, 0.0, 1.3), atol=0.02)  # pins are soft: near their targets
     assert np.isclose(hand.angle, 0.5)
     exec(f"import bpy\n{reset}", {})
     assert np.array_equal(coordinates(obj.data.vertices), rest)

@@ -110,8 +110,7 @@ def test_axis_keys_are_the_worlds_axes_and_pressed_twice_the_drawings(window: Wi
             yield from window.key("G")
             for key in keys:
                 yield from window.key(key)
-            yield from window.move((window.mouse[0] + 40, window.mouse[1] + 60), steps=3)
-            window.picture(f"axis-{turn}-{keys}")
+            yield from window.move((window.mouse[0] + 60, window.mouse[1] + 40), steps=3)
             yield from window.confirm()
             gone = place(1) - start
             assert np.linalg.norm(gone) > 0.2, keys

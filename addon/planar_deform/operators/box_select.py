@@ -7,7 +7,7 @@ import bpy
 
 from ..scene.view import snapshot
 from ..scene.view.mouse import hidden_refusal, pins_within
-from .modal.gesture_run import GestureRun
+from .modal.gesture_run import GestureOperator, GestureRun
 from .modal.session import PASSED_ON
 from .pins import PinListOperator
 
@@ -15,7 +15,7 @@ KEYS = "Drag a Box: Select   Shift or MMB: Deselect   Esc or RMB: Cancel"
 BUTTONS = ("LEFTMOUSE", "MIDDLEMOUSE")
 
 
-class PLANAR_OT_box_select_pins(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_box_select_pins(GestureOperator, PinListOperator, bpy.types.Operator):
     bl_idname = "planar.box_select_pins"
     bl_label = "Box Select Pins"
     bl_description = "Select the pins in a box, with Shift deselect them; the others stay as they are"
@@ -34,32 +34,23 @@ class PLANAR_OT_box_select_pins(PinListOperator, bpy.types.Operator):
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if not self._run.on:
-            return {"CANCELLED"}
-        if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
-            self._run.end()
-            return {"CANCELLED"}
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type in BUTTONS and event.value == "PRESS" and self._start is None:
             self._start, self._button = _place(event), event.type
-        elif event.type == self._button and event.value == "RELEASE":
-            return self._confirm(context, event)
+        elif self._start is not None and event.type == self._button and event.value == "RELEASE":
+            return self._select(context, event, self._start)
         elif event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}
         self._show(context, event)
         return {"RUNNING_MODAL"}
 
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends the operator itself: another file is loaded, the window closes."""
-        if self._run.on:
-            self._run.end()
-
-    def _confirm(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self._run.end()
+    def _select(
+        self, context: bpy.types.Context, event: bpy.types.Event, start: tuple[float, float]
+    ) -> set[str]:
         seen = snapshot.in_view(context)
-        if seen is None or self._start is None:
+        if seen is None:
             return {"CANCELLED"}
-        inside = pins_within(context.region, context.region_data, seen.pins, self._start, _place(event))
+        inside = pins_within(context.region, context.region_data, seen.pins, start, _place(event))
         wanted = not event.shift and self._button == "LEFTMOUSE"
         pins = context.object.planar.pins
         changed = [pins[index] for index in inside if pins[index].select != wanted]

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, FloatProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
-from ..errors import ObjectGone, Refusal
+from ..errors import Refusal
 from ..model.input.numeric import Numeric
 from ..model.plane.frame import Indices
 from ..model.posing.patch_radius import least_radius, vertices_within
@@ -23,7 +23,7 @@ from ..scene.view.mouse import hidden_refusal, ray
 from .click import add_pin_under
 from .drag import CONFIRM, HIDDEN
 from .modal import running
-from .modal.gesture_run import GestureRun
+from .modal.gesture_run import GestureOperator, GestureRun
 from .modal.plane_mouse import EDGE_ON
 from .modal.session import PASSED_ON, is_dragged
 
@@ -31,7 +31,7 @@ KEYS = "LMB or Enter: Confirm   Esc or RMB: Cancel   Digits: Type the Radius"
 CORNERS = 64  # of the circle that is drawn
 
 
-class PLANAR_OT_set_pin_radius(bpy.types.Operator):
+class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
     """Has no poll, as the Pose tool's drags must not go on to Blender's own operators."""
 
     bl_idname = "planar.set_pin_radius"
@@ -101,35 +101,14 @@ class PLANAR_OT_set_pin_radius(bpy.types.Operator):
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if not self._run.on:
-            return {"CANCELLED"}
-        try:
-            self._drawing.resolve()
-            return self._handle(context, event)
-        except ObjectGone:
-            self._run.end()
-            return {"CANCELLED"}
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends the operator itself: another file is loaded, the window closes."""
-        if self._run.on:
-            self._run.end()
-
-    def _handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self._drawing.resolve()
         pressed = event.value == "PRESS"
-        if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
-            self._run.end()
-            return {"CANCELLED"}
         if event.type == "LEFTMOUSE" and event.value == "RELEASE" and self._press is not None:
-            self._run.end()  # a click beside the pin
-            add_pin_under(self, context, event)
+            add_pin_under(self, context, event)  # it was a click beside the pin
             return {"CANCELLED"}
-        clicked = event.type == "LEFTMOUSE" and (
-            pressed or (event.value == "RELEASE" and self.release_confirm)
-        )
-        if clicked or (event.type in CONFIRM and pressed):
-            self._run.end()
+        let_go = event.value == "RELEASE" and self.release_confirm
+        if (event.type == "LEFTMOUSE" and (pressed or let_go)) or (event.type in CONFIRM and pressed):
             return self.execute(context)
         if event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}

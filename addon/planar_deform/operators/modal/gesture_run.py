@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import traceback
+from collections.abc import Callable, Iterable, Sequence
 
 import bpy
 
+from ...errors import ObjectGone
 from ...scene.view import gesture
 from . import running
 from .session import put_away, put_up
@@ -33,10 +35,10 @@ class GestureRun:
             self._area.header_text_set(text)
 
     def end(self) -> None:
-        """Show nothing any more. May be called again."""
-        running.ended(self)
-        gesture.clear()
-        put_away()
+        """Show nothing any more, unless something else does by now."""
+        if self.on:
+            running.ended(self)
+            self._leave()
 
     def give_way(self) -> None:
         """See running.Run."""
@@ -49,3 +51,35 @@ class GestureRun:
     def _leave(self) -> None:
         gesture.clear()
         put_away()
+
+
+class GestureOperator:
+    """Modal part of an operator with a GestureRun in `_run`, which ends with it.
+
+    A subclass handles all events but those that cancel it in `handle(context, event)`.
+    """
+
+    _run: GestureRun
+    report: Callable[[set[str], str], None]  # of Blender's operators
+
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """What an event does, in a subclass."""
+        raise NotImplementedError
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        result = {"CANCELLED"}
+        if self._run.on and not (event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS"):
+            try:
+                result = self.handle(context, event)
+            except ObjectGone:
+                pass  # there is nothing left to choose
+            except Exception as error:  # Blender would call again and again
+                traceback.print_exc()
+                self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+        if result & {"FINISHED", "CANCELLED"}:
+            self._run.end()
+        return result
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the operator itself: another file is loaded, the window closes."""
+        self._run.end()
