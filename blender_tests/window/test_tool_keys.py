@@ -187,7 +187,7 @@ def test_a_hidden_drawing_shows_and_takes_no_pins(window: Window) -> Iterator[No
         assert active().hide_get(), key
     assert len(active().planar.pins) == 2
     assert np.array_equal(shape(), before)
-    assert "'Sheet' is hidden here" in window.reports()
+    assert "'Sheet' is hidden: show it" in window.reports()
     active().hide_set(False)
     yield from window.drag(spot, window.pixel((1.5, 0.0, 0.6)))
     assert moved(before, shape()) > 0.3
@@ -205,6 +205,7 @@ def test_a_drawing_outside_of_the_local_view_shows_and_takes_no_pins(window: Win
     yield from window.drag(window.pixel(RIGHT), window.pixel((1.5, 0.0, 1.0)))
     yield from window.click(window.pixel(TOP), ctrl=True)
     assert len(active().planar.pins) == 2
+    assert "'Sheet' is not in this view" in window.reports()
     assert np.array_equal(shape(drawing), before)
 
 

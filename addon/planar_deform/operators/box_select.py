@@ -61,10 +61,10 @@ class PLANAR_OT_box_select_pins(GestureOperator, PinListOperator, bpy.types.Oper
     def _show(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
         (x, y), region = _place(event), context.region
         if self._start is None:
-            self._run.show([((x, 0), (x, region.height)), ((0, y), (region.width, y))])
+            self._run.show(context, [((x, 0), (x, region.height)), ((0, y), (region.width, y))])
         else:
             a, b = self._start
-            self._run.show([((a, b), (x, b), (x, y), (a, y), (a, b))])
+            self._run.show(context, [((a, b), (x, b), (x, y), (a, y), (a, b))])
 
 
 def _place(event: bpy.types.Event) -> tuple[float, float]:

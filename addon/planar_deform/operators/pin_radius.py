@@ -130,7 +130,7 @@ class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
         counts = [len(vertices_within(holder, drawing.positions, self.radius)) for holder in self._holders]
         shown = self._numeric.shown(0) if self._numeric.active else f"{self.radius:.4f}"
         holds = "too few vertices for a patch" if 0 in counts else f"{sum(counts)} vertices"
-        self._run.show([self._circle(context)], f"Patch Radius: {shown}   ({holds})")
+        self._run.show(context, [self._circle(context)], f"Patch Radius: {shown}   ({holds})")
 
     def _distance(self, context: bpy.types.Context, event: bpy.types.Event) -> float | None:
         """Of the mouse from the pin, in the plane of the pin; None edge-on."""

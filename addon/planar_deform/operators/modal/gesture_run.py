@@ -19,7 +19,6 @@ class GestureRun:
 
     def __init__(self, context: bpy.types.Context, keys: str, cursor: str):
         """`keys` says in the status bar what the user can press."""
-        self._area, self._region = context.area, context.region
         running.start(self)
         put_up(context, keys, cursor)
 
@@ -28,11 +27,13 @@ class GestureRun:
         """Whether nothing has ended it from outside."""
         return running.now() is self
 
-    def show(self, strips: Iterable[Sequence[tuple[float, float]]], text: str = "") -> None:
-        """Draw these lines in its region, and write this in the view's header."""
-        gesture.show(self._region, strips)
+    def show(
+        self, context: bpy.types.Context, strips: Iterable[Sequence[tuple[float, float]]], text: str = ""
+    ) -> None:
+        """Draw these lines in the region at hand, and write this in the view's header."""
+        gesture.show(context.region, strips)
         if text:
-            self._area.header_text_set(text)
+            context.area.header_text_set(text)
 
     def end(self) -> None:
         """Show nothing any more, unless something else does by now."""

@@ -38,3 +38,7 @@ def clear() -> None:
     """Show none."""
     global _now
     _now = None
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()

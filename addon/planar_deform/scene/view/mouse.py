@@ -46,7 +46,9 @@ def hidden_refusal(context: bpy.types.Context) -> str | None:
     obj = context.object
     if obj is None or snapshot.is_shown(obj, context):
         return None
-    return f"'{obj.name}' is hidden here: show it by its eye in the Outliner first"
+    if obj.visible_get():
+        return f"'{obj.name}' is not in this view: leave its Local View with View > Local View first"
+    return f"'{obj.name}' is hidden: show it by its eye in the Outliner first"
 
 
 def regions(area: bpy.types.Area | None) -> list[tuple[bpy.types.Region, bpy.types.RegionView3D]]:

@@ -32,6 +32,8 @@ def _draw(header: bpy.types.Header, context: bpy.types.Context) -> None:
 def _watch() -> None:
     """Whatever brings or takes the hint redraws a 3D view, and nothing else tells the status bar."""
     context = bpy.context
+    if context.window is None:
+        return  # drawn into a picture
     window, text = context.window.as_pointer(), _text(context)
     if _shown.get(window, "") != text:
         _shown[window] = text
