@@ -14,7 +14,6 @@ from mathutils import Vector
 
 from ...model.input import view_ray
 from ...model.plane.frame import Array
-from . import snapshot
 from .snapshot import PinPlace
 
 # Pixels at a UI scale of 1.
@@ -44,9 +43,10 @@ def ray(
 def hidden_refusal(context: bpy.types.Context) -> str | None:
     """Why the active object's pins cannot be used in the view at hand, if it is hidden there."""
     obj = context.object
-    if obj is None or snapshot.is_shown(obj, context):
+    if obj is None or obj.visible_get():  # asks for the view at hand by itself
         return None
-    if obj.visible_get():
+    space = context.space_data
+    if isinstance(space, bpy.types.SpaceView3D) and not obj.visible_in_viewport_get(space):
         return f"'{obj.name}' is not in this view: leave its Local View with View > Local View first"
     return f"'{obj.name}' is hidden: show it by its eye in the Outliner first"
 

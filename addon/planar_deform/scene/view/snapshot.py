@@ -147,14 +147,7 @@ def of_active(context: bpy.types.Context) -> Snapshot | None:
 def in_view(context: bpy.types.Context) -> Snapshot | None:
     """The active object's snapshot, as far as the view at hand shows the object; None where it is hidden."""
     obj = context.object
-    return of_active(context) if obj is not None and is_shown(obj, context) else None
-
-
-def is_shown(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
-    """Whether the 3D view at hand shows an object; in other editors, whether a view could."""
-    space = context.space_data
-    in_3d = space is not None and space.type == "VIEW_3D"
-    return bool(obj.visible_get(viewport=space) if in_3d else obj.visible_get())
+    return of_active(context) if obj is not None and obj.visible_get() else None
 
 
 def follow(drawing: CutoutObject, positions: Array, results: Iterable[PinResult]) -> None:
