@@ -14,6 +14,7 @@ from .operators import stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.objects import triangulation
+from .scene.pins import following
 from .scene.storage import changes, digests, migration
 from .scene.view import onion, snapshot
 
@@ -32,8 +33,8 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             changed.append(update.id.original)
             if shape:
                 changes.tell(changed[-1])
-    for obj in changed:
-        follow.match_groups(obj)
+    for obj in dict.fromkeys(changed):
+        follow.match_mesh(obj)
     stiffness.changed()
 
 
@@ -74,6 +75,7 @@ def reset_all() -> None:
     snapshot.forget()
     onion.forget()
     stiffness.forget()
+    following.forget()
 
 
 HANDLERS: dict[str, Callable[..., None]] = {  # of bpy.app.handlers, by name

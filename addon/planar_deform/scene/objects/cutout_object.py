@@ -144,6 +144,11 @@ class CutoutObject(FlatObject):
         """Of the rest shape's bounding box."""
         return self.cutout.diagonal
 
+    def rest_place(self, place: Array) -> Array:
+        """Where an object-local position (3,) of the rest shape is in `rest` (2,)."""
+        frame = self._rest.frame.mirrored() if self._turned_over else self._rest.frame
+        return frame.flatten(mapped(place[None, :], self._linear))[0]
+
     def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
         """Where a world ray meets the plane of a part (2,); None edge-on (within 5 degrees) or behind it."""
         slope = float(direction @ self.frame.n)
@@ -203,6 +208,8 @@ class CutoutObject(FlatObject):
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
         super().restore()
+        if self._in_mesh:
+            rest_shape.see(self.resolve().data, self._store.begin)
         if self._rest_written:
             rest_shape.put_back(self.resolve().data, self._reading.stored, self._reading.owners)
             self._rest_written = False
@@ -212,6 +219,8 @@ class CutoutObject(FlatObject):
             rest_shape.write(self.resolve().data, self._rest_after)
             self._rest_written = True
         super()._put(shape)
+        if self._in_mesh:  # so that what is posed is not taken for an edit of the mesh
+            rest_shape.see(self.resolve().data, shape)
 
     # -- rest
 

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What has been done to a mesh as a whole since it was last seen: its rest shape and its pins follow.
+
+Blender takes the coordinates and the shape keys of a mesh along when a transform is applied, an origin is set,
+objects are joined or all is edited, but not its attributes and what an object holds of pins. So the mesh keeps
+the shape in which it was last seen, and the affine map that explains what it is now tells what was done. An
+edit that no map explains, as of some vertices, leaves the rest shape as it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...model.plane.affine import Affine, affine_between
+from ...model.plane.frame import Array32, Indices, Mask
+from ...model.plane.rest import fitted
+from ..storage import migration
+from . import rest_shape, triangulation
+
+# The mesh (session_uid) that an owner's number was first seen on: a duplicate gets another one.
+_meshes: dict[int, int] = {}
+
+
+@dataclass(frozen=True)
+class Joined:
+    """What has come from another mesh by a join."""
+
+    rows: Mask  # its vertices (count,)
+    map: Affine | None  # that took it here, if one explains it
+    turned_over: bool  # seen along the axes of the objects
+
+
+def follow(obj: bpy.types.Object) -> dict[int, Joined]:
+    """Make rest shape and pins follow what was done to the mesh; what was joined to it, by its owner.
+
+    What has been joined belongs to the mesh from then on. Writes nothing where nothing was done.
+    """
+    if not _concerned(obj):
+        return {}
+    mesh = obj.data
+    present, seen = rest_shape.reference(obj), rest_shape.seen_of(mesh)
+    owners = _owners(mesh)
+    own, rest = int(owners[0]), rest_shape.stored_of(mesh)
+    joined = {}
+    if is_joined(owners):
+        if own == 0:  # nothing was known of it, so it has not been posed
+            own = rest_shape.new_owner()
+            if rest is not None:
+                rest[owners == 0] = present[owners == 0]
+            owners[owners == 0] = own
+        for owner in np.unique(owners[(owners != own) & (owners != 0)]).tolist():
+            joined[owner] = _take_in(mesh, owners == owner, rest, seen, present)
+    if seen is not None and not np.array_equal(seen.view(np.int32), present.view(np.int32)):
+        rows = owners == own
+        found = affine_between(seen[rows], present[rows])
+        if found is not None:
+            _carry(mesh, found, found.turns_over(seen[rows]))
+            if rest is not None:
+                rest[rows] = found.of(rest[rows])
+        if found is not None and rest is not None and not joined:
+            rest_shape.put_back(mesh, rest, owners)
+    if joined:
+        for part in joined.values():
+            owners[part.rows] = own
+        if rest is not None:
+            rest_shape.put_back(mesh, rest, owners)
+        else:
+            rest_shape.write_owners(mesh, owners)
+    if seen is None or not np.array_equal(seen.view(np.int32), present.view(np.int32)):
+        rest_shape.see(mesh, present)
+    _meshes.setdefault(own, mesh.session_uid)
+    return joined
+
+
+def catch_up(obj: bpy.types.Object) -> None:
+    """The same before an object is read, but for a join, which the pins have to be told of."""
+    if _concerned(obj) and not is_joined(_owners(obj.data)):
+        follow(obj)
+
+
+def is_joined(owners: Indices) -> bool:
+    """Whether a mesh with these owners of its vertices has come from several."""
+    return bool(((owners != owners[0]) & (owners != 0)).any())
+
+
+def owner_of(mesh: bpy.types.Mesh) -> int:
+    """The number of a mesh that has been followed."""
+    owners = rest_shape.owners_of(mesh)
+    return 0 if owners is None or not len(owners) else int(owners[0])
+
+
+def is_elsewhere(owner: int, mesh: bpy.types.Mesh) -> bool:
+    """Whether an owner's number is that of another mesh of the file."""
+    uid = _meshes.get(owner, mesh.session_uid)
+    return uid != mesh.session_uid and any(other.session_uid == uid for other in bpy.data.meshes)
+
+
+def forget() -> None:
+    """Of another file nothing is known."""
+    _meshes.clear()
+
+
+def _concerned(obj: bpy.types.Object) -> bool:
+    if obj.type != "MESH" or obj.mode not in {"OBJECT", "WEIGHT_PAINT"} or not len(obj.data.vertices):
+        return False
+    mesh = obj.data
+    if obj.library is not None or mesh.library is not None or mesh.override_library is not None:
+        return False
+    if rest_shape.owners_of(mesh) is None and rest_shape.stored_of(mesh) is None:
+        return obj.is_property_set("planar") and len(obj.planar.pins) > 0 and not migration.is_newer(obj)
+    return not migration.is_newer(obj)
+
+
+def _owners(mesh: bpy.types.Mesh) -> Indices:
+    """The owner of each vertex, by a number of the mesh's own."""
+    owners = rest_shape.owners_of(mesh)
+    if owners is None:
+        owners = np.full(len(mesh.vertices), rest_shape.new_owner(), np.int32)
+        rest_shape.write_owners(mesh, owners)
+    elif is_elsewhere(int(owners[0]), mesh):
+        owners[owners == owners[0]] = rest_shape.new_owner()
+        rest_shape.write_owners(mesh, owners)
+    return owners
+
+
+def _take_in(
+    mesh: bpy.types.Mesh, rows: Mask, rest: Array32 | None, seen: Array32 | None, present: Array32
+) -> Joined:
+    """Bring the rest of what has been joined to where that is."""
+    found = None if seen is None else affine_between(seen[rows], present[rows])
+    unmoved = seen is not None and np.array_equal(seen[rows], present[rows])
+    if unmoved:
+        found = Affine(np.eye(3), np.zeros(3))
+    if rest is not None and found is not None:
+        rest[rows] = found.of(rest[rows])
+    elif rest is not None:
+        faces = triangulation.faces_of(mesh, present)
+        for part in np.unique(faces.parts[rows[faces.vertices]]):
+            of_part = faces.vertices[faces.parts == part]
+            rest[of_part] = fitted(rest[of_part].astype(np.float64), present[of_part], scaled=True)
+    over = found is not None and seen is not None and found.turns_over(seen[rows])
+    return Joined(rows, found, over)
+
+
+def _carry(mesh: bpy.types.Mesh, done: Affine, turned_over: bool) -> None:
+    """What is stored of the pins follows."""
+    for place in mesh.planar_seen.places:
+        place.place = done.of(np.array([place.place]))[0]
+    for obj in bpy.data.objects:
+        if obj.data == mesh and obj.is_property_set("planar"):
+            for pin in obj.planar.pins:
+                pin.target, pin.reached = done.of(np.array([pin.target, pin.reached]))
+                if turned_over:
+                    pin.angle = -pin.angle
