@@ -59,6 +59,12 @@ def _before_load(*_: object) -> None:
     reset_all()
 
 
+def _after_load(*_: object) -> None:
+    _on_new_data()
+    for obj in bpy.data.objects:
+        follow.match_mesh(obj)
+
+
 def _on_new_data(*_: object) -> None:
     """A file is loaded, something appended; or what is to be saved may have become local since."""
     migration.migrate_all()
@@ -86,7 +92,8 @@ HANDLERS: dict[str, Callable[..., None]] = {  # of bpy.app.handlers, by name
     "undo_post": _after_undo,
     "redo_post": _after_undo,
     "load_pre": _before_load,
-    **dict.fromkeys(("load_post", "save_pre", *compat.AFTER_IMPORT), _on_new_data),
+    "load_post": _after_load,
+    **dict.fromkeys(("save_pre", *compat.AFTER_IMPORT), _on_new_data),
 }
 
 

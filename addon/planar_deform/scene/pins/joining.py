@@ -21,6 +21,7 @@ from ..objects.mesh_edits import Joined
 from ..storage.vertex_groups import members
 from . import pin_list
 
+_NOBODY = np.empty(0, np.int32), np.empty(0)
 # What a pin keeps, beside its group.
 _KEPT = ("name", "kind", "enabled", "has_target", "target", "reached", "angle")
 
@@ -52,17 +53,20 @@ def take_in(obj: bpy.types.Object, joined: Mapping[int, Joined]) -> None:
     own = np.ones(len(obj.data.vertices), bool)
     for part in joined.values():
         own &= ~part.rows
-    used = pin_list.groups_of(obj)
-    for pin in obj.planar.pins:
-        vertices, weights = groups.get(pin.group, (np.empty(0, np.int32), np.empty(0)))
-        if own[vertices].any() and not own[vertices].all():
-            mine = own[vertices]
+    for index in reversed(range(len(obj.planar.pins))):
+        pin = obj.planar.pins[index]
+        vertices, weights = groups.get(pin.group, _NOBODY)
+        mine = own[vertices]
+        if len(mine) and not mine.any():  # it had nothing to hold, as what is separated leaves it
+            obj.planar.pins.remove(index)
+        elif not mine.all():
             if not pin.owns_group:
                 pin.group_before = pin.group
             pin_list.rebind(obj, pin, vertices[mine], weights[mine])
+    used = pin_list.groups_of(obj)
     for owner, part in joined.items():
         for pin in _lists.get(owner, []):
-            vertices, weights = groups.get(pin.group, (np.empty(0, np.int32), np.empty(0)))
+            vertices, weights = groups.get(pin.group, _NOBODY)
             mine = part.rows[vertices]
             if mine.any():
                 alone = bool(mine.all()) and pin.group not in used
