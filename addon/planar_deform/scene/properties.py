@@ -135,6 +135,7 @@ class PlanarPlace(bpy.types.PropertyGroup):
     """Where the pins of a vertex group, which is its name, are on the rest shape."""
 
     place: FloatVectorProperty(size=3, options={"HIDDEN"})  # object-local
+    even: BoolProperty(options={"HIDDEN"})  # all of the group have the same weight
 
 
 class PlanarSeen(bpy.types.PropertyGroup):

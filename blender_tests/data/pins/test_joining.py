@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from drawings import DRAWINGS, extremes
+from sequences import go_to, key, pull
 from support import activate, add_pins, bar, coordinates, evaluated, grid, make_object, measured, pose, world
 
 
@@ -231,3 +232,26 @@ def test_a_part_that_was_separated_comes_back():
     now = standing(again)
     assert sorted(tuple(np.round(pin[0], 4)) for pin in now) == sorted(tuple(np.round(pin[0], 4)) for pin in expected)
     assert evaluated(again).shape == coordinates(again.data.vertices).shape
+
+
+def test_a_posed_layer_joined_to_one_with_keyed_poses_keeps_its_rest():
+    obj = bar()
+    add_pins(obj, [26], [38])
+    key(obj, 1)
+    pull(obj, 25, (-0.3, 0.7))
+    other = bar(name="Other")
+    other.location = (0.0, 3.0, 0.1)
+    add_pins(other, [26], [38])
+    pose(other, offset=(-0.2, 0.8))
+    area, expected = measured(other).area, standing(other)
+    go_to(1)
+    joined = join(obj, other)
+    assert len(joined.planar.pins) == 4
+    now = standing(joined)
+    for pin, then in zip(now[2:], expected, strict=True):
+        assert pin[0] == pytest.approx(then[0], abs=1e-4)
+    assert measured(joined).area == pytest.approx(1.0 + area / 2, abs=1e-4)
+    assert bpy.ops.planar.clear_poses() == {"FINISHED"}
+    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
+    assert measured(joined).area == pytest.approx(2.0, abs=1e-6)
+    assert np.ptp(world(joined)[65:], axis=0) == pytest.approx([2.0, 1.0, 0.0], abs=1e-5)

@@ -8,13 +8,9 @@ import numpy as np
 from ..plane.cutout import Cutout
 from ..plane.frame import Array, Indices
 from ..plane.locate import MeshPoint, nearest_point
-from .pins import Pin
 
-STILL_THERE = 0.01  # of the diagonal: farther from the mesh, a place has gone with what was there
+STILL_THERE = 0.02  # of the diagonal: farther from the mesh, a place has gone with what was there
 NEGLIGIBLE = 1e-6  # weights below it are rounding
-# Blender gives new vertices the mean of their neighbours' weights: those beyond the edge of a patch have half.
-WITHIN = 0.75
-STEEPEST = 0.2  # how much the weights of a patch may differ from what they were, so that WITHIN tells them
 
 Binding = tuple[Indices, Array]  # vertices of the cutout and their weights
 
@@ -32,15 +28,3 @@ def point_binding(cutout: Cutout, place: Array, near: Indices) -> tuple[MeshPoin
         return None
     held = found.weights > NEGLIGIBLE
     return found, (cutout.triangles[found.triangle][held], found.weights[held])
-
-
-def patch_binding(cutout: Cutout, place: Array, pin: Pin) -> Binding:
-    """What of a patch's group is the patch that it was, weighed so that its centre is at `place` at rest."""
-    kept = pin.weights >= WITHIN * pin.weights.max()
-    vertices, weights = pin.vertices[kept], np.ones(np.count_nonzero(kept))
-    arms = cutout.rest[vertices] - place
-    spread = arms.T @ arms
-    if np.linalg.matrix_rank(spread, tol=1e-9 * cutout.diagonal**2) == 2:
-        tilt = arms @ np.linalg.solve(spread, -arms.sum(axis=0))
-        weights += tilt * min(1.0, STEEPEST / max(np.abs(tilt).max(), STEEPEST))
-    return vertices, weights / weights.max()

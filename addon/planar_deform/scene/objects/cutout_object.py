@@ -84,6 +84,7 @@ class CutoutObject(FlatObject):
     """A mesh object as a cutout. Indices are those of the cutout: vertices of faces, in the mesh's order."""
 
     cutout: Cutout
+    known: Mask  # n, vertices that have a rest of their own; others were added by an edit
     stiffness_stamp: str  # of the painting that the cutout's stiffness comes from
 
     def __init__(
@@ -106,6 +107,7 @@ class CutoutObject(FlatObject):
             world = mapped(shown, self._linear)
             self._take_frame(_flat_frame(shown, world, triangles, parts, self._linear, "Its faces do"), world)
         rest, known = self._known_rest(shown)
+        self.known = known.copy()
         self._rest = self._flat_rest(rest, known, shown, before)
         # Rest and pose are seen from the same side, however the mesh has been turned over in between.
         shown_sides = np.sign(signed_areas(self.positions, triangles[self._rest.whole]))

@@ -17,11 +17,16 @@ import numpy as np
 from ...model.plane.affine import Affine, affine_between
 from ...model.plane.frame import Array32, Indices, Mask
 from ...model.plane.rest import fitted
-from ..storage import migration
+from ..sequence import pose_state
+from ..storage import migration, points
 from . import rest_shape, triangulation
 
-# The mesh (session_uid) that an owner's number was first seen on: a duplicate gets another one.
+# By owner: the mesh (session_uid) that the number was first seen on, as a duplicate gets another one; and
+# whether that mesh had shape keys when it was last seen.
 _meshes: dict[int, int] = {}
+_keyed: dict[int, bool] = {}
+
+INTERPOLATED = 4  # an owner's number may be off by, as Blender's weights do not quite add up to 1
 
 
 @dataclass(frozen=True)
@@ -44,6 +49,8 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
     present, seen = rest_shape.reference(obj), rest_shape.seen_of(mesh)
     owners = _owners(mesh)
     own, rest = int(owners[0]), rest_shape.stored_of(mesh)
+    if is_joined(owners) and _tidy(mesh, owners, present):
+        rest_shape.write_owners(mesh, owners)
     joined = {}
     if is_joined(owners):
         if own == 0:  # nothing was known of it, so it has not been posed
@@ -51,8 +58,12 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
             if rest is not None:
                 rest[owners == 0] = present[owners == 0]
             owners[owners == 0] = own
+        elif rest is not None and not rest[owners == own].any():  # it had none before
+            rest[owners == own] = present[owners == own]
         for owner in np.unique(owners[(owners != own) & (owners != 0)]).tolist():
             joined[owner] = _take_in(mesh, owners == owner, rest, seen, present)
+            if rest is not None and pose_state.is_ours(obj) and not _keyed.get(owner, True):
+                _give_basis(obj, owners == owner, rest, present)
     if seen is not None and not np.array_equal(seen.view(np.int32), present.view(np.int32)):
         rows = owners == own
         found = affine_between(seen[rows], present[rows])
@@ -72,6 +83,7 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
     if seen is None or not np.array_equal(seen.view(np.int32), present.view(np.int32)):
         rest_shape.see(mesh, present)
     _meshes.setdefault(own, mesh.session_uid)
+    _keyed[own] = mesh.shape_keys is not None
     return joined
 
 
@@ -101,6 +113,7 @@ def is_elsewhere(owner: int, mesh: bpy.types.Mesh) -> bool:
 def forget() -> None:
     """Of another file nothing is known."""
     _meshes.clear()
+    _keyed.clear()
 
 
 def _concerned(obj: bpy.types.Object) -> bool:
@@ -126,6 +139,21 @@ def _owners(mesh: bpy.types.Mesh) -> Indices:
     return owners
 
 
+def _tidy(mesh: bpy.types.Mesh, owners: Indices, present: Array32) -> bool:
+    """Make owners out of what Blender has interpolated between them; whether there was any."""
+    own = owners[0]
+    odd = (owners != own) & (owners != 0) & ~np.isin(owners, list(_meshes))
+    if not odd.any():
+        return False
+    rounded = odd & (np.abs(owners - own) <= INTERPOLATED)
+    owners[rounded] = own
+    faces = triangulation.faces_of(mesh, present)
+    mine = np.isin(faces.parts, faces.parts[owners[faces.vertices] == own])
+    mixed = np.intersect1d(np.flatnonzero(odd & ~rounded), faces.vertices[mine])
+    owners[mixed] = 0  # between vertices with and without a rest
+    return bool(rounded.any() or len(mixed))
+
+
 def _take_in(
     mesh: bpy.types.Mesh, rows: Mask, rest: Array32 | None, seen: Array32 | None, present: Array32
 ) -> Joined:
@@ -134,7 +162,9 @@ def _take_in(
     unmoved = seen is not None and np.array_equal(seen[rows], present[rows])
     if unmoved:
         found = Affine(np.eye(3), np.zeros(3))
-    if rest is not None and found is not None:
+    if rest is not None and not rest[rows].any():  # it had none, but a Basis
+        rest[rows] = present[rows]
+    elif rest is not None and found is not None:
         rest[rows] = found.of(rest[rows])
     elif rest is not None:
         faces = triangulation.faces_of(mesh, present)
@@ -143,6 +173,14 @@ def _take_in(
             rest[of_part] = fitted(rest[of_part].astype(np.float64), present[of_part], scaled=True)
     over = found is not None and seen is not None and found.turns_over(seen[rows])
     return Joined(rows, found, over)
+
+
+def _give_basis(obj: bpy.types.Object, rows: Mask, rest: Array32, present: Array32) -> None:
+    """In a pose sequence the Basis is the rest; a join makes it of the shape that was shown."""
+    present[rows] = rest[rows]
+    points.write_block(obj.data.shape_keys.reference_key, present)
+    points.write(obj, present)
+    points.update(obj)
 
 
 def _carry(mesh: bpy.types.Mesh, done: Affine, turned_over: bool) -> None:

@@ -9,21 +9,22 @@ group says where the pin is; once they are not, the place does, and the group is
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.plane.frame import Array
 from ...model.plane.locate import at
 from ...model.posing.pins import Holder, Pin
-from ...model.posing.rebinding import Binding, patch_binding, point_binding
+from ...model.posing.rebinding import STILL_THERE, Binding, point_binding
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE, CutoutObject, pose_refusal, read_cutout
 from ..storage.vertex_groups import Members, members
 from . import pin_list
 
 ROUNDING = 2.0**-20  # of a place's distance from the origin: it is stored in float32
+FULL = 1.0 - 1e-3  # of the largest weight
 
 
 def follow(obj: bpy.types.Object) -> None:
@@ -48,7 +49,7 @@ def follow(obj: bpy.types.Object) -> None:
 
 def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Members]) -> bool:
     """Make the groups of pins that would have moved hold their places; whether there were any."""
-    places = {place.name: np.array(place.place) for place in obj.data.planar_seen.places}
+    places = {place.name: place for place in obj.data.planar_seen.places}
     changed = False
     for key, pin in enumerate(obj.planar.pins):
         if pin.group not in places or pin.group not in groups:
@@ -57,23 +58,28 @@ def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Mem
         rows = drawing.rows_of(vertices)
         inside = (rows >= 0) & (weights > 0.0)
         model = Pin(key, pin.kind, rows[inside], weights[inside])
-        place = drawing.rest_place(places[pin.group])
-        found = _binding(drawing, model, place, pin.owns_group)
+        found = _binding(drawing, model, places[pin.group], pin.owns_group)
         if found is not None:
             pin_list.rebind(obj, pin, drawing.vertex_indices[found[0]], found[1])
+            model = replace(model, vertices=found[0], weights=found[1])
             changed = True
+        if pin.has_target and len(model.vertices):
+            _keep_target(drawing, pin, Holder(model, drawing.cutout))
     return changed
 
 
-def _binding(drawing: CutoutObject, pin: Pin, place: Array, owned: bool) -> Binding | None:
+def _binding(
+    drawing: CutoutObject, pin: Pin, kept: bpy.types.PropertyGroup, owned: bool
+) -> Binding | None:
     """What holds the place of a pin; None where its group does, or nothing can."""
     cutout, rows = drawing.cutout, pin.vertices
-    near = SAME_PLACE * cutout.diagonal
+    place = drawing.rest_place(np.array(kept.place))
     if pin.kind == "PATCH" and len(rows):
-        partial = (pin.weights < pin.weights.max() * (1.0 - 1e-3)).any()
-        here = Holder(pin, cutout).place(cutout.rest)
-        moved = np.linalg.norm(here - place) > near
-        return patch_binding(cutout, place, pin) if owned and (partial or moved) else None
+        # Blender gives new vertices a mean of the weights about them: less than all beyond the patch's edge.
+        within = drawing.known[rows] & (pin.weights >= pin.weights.max() * FULL)
+        if within.all() or not within.any() or not (owned and kept.even):
+            return None
+        return rows[within], pin.weights[within]
     found = point_binding(cutout, place, rows)
     if found is None:
         return None
@@ -82,9 +88,25 @@ def _binding(drawing: CutoutObject, pin: Pin, place: Array, owned: bool) -> Bind
         return binding[0], np.ones(len(binding[0]))
     if len(rows):
         here = Holder(pin, cutout).place(cutout.rest)
-        if np.linalg.norm(here - at(cutout.rest, cutout.triangles, point)) <= near:
+        there = at(cutout.rest, cutout.triangles, point)
+        if np.linalg.norm(here - there) <= SAME_PLACE * cutout.diagonal:
             return None
     return binding
+
+
+def _keep_target(drawing: CutoutObject, pin: bpy.types.PropertyGroup, holder: Holder) -> None:
+    """A pin that is where it was left is where it is now left: new vertices bend a face of the shown shape.
+
+    The centre of a patch may have become another one, to which its target belongs.
+    """
+    place = holder.place(drawing.positions)
+    moved = place - drawing.from_local(np.array([pin.reached], np.float64))[0]
+    if np.linalg.norm(moved) <= STILL_THERE * drawing.cutout.diagonal:
+        part = np.array([holder.part], np.int32)
+        if pin.kind == "PATCH":
+            target = drawing.from_local(np.array([pin.target], np.float64))[0] + moved
+            pin.target = drawing.to_local(target[None, :], part)[0]
+        pin.reached = drawing.to_local(place[None, :], part)[0]
 
 
 def _keep(obj: bpy.types.Object, groups: Mapping[str, Members]) -> None:
@@ -106,6 +128,7 @@ def _keep(obj: bpy.types.Object, groups: Mapping[str, Members]) -> None:
         elif np.abs(np.array(kept.place) - place).max() <= ROUNDING * np.abs(place).max():
             continue
         kept.place = place
+        kept.even = bool(shares.min() >= shares.max() * FULL)
     for index in reversed(range(len(places))):
         if not len(groups.get(places[index].name, ((),))[0]):
             places.remove(index)
