@@ -238,6 +238,28 @@ def test_keyed_poses_and_inbetweens_stay_what_they_are():
     assert np.ptp(world(obj), axis=0).max() == pytest.approx(4.0, abs=0.2)
 
 
+@pytest.mark.parametrize("how", ["all transforms", "origin to geometry"])
+def test_inbetweens_stay_up_to_date_and_those_that_were_not_do_not_get_so(how):
+    from planar_deform.scene.sequence.stretches import stale
+
+    obj = filled()
+    obj.scale = (2.0, 2.0, 2.0)
+    bpy.context.view_layer.update()
+    assert stale(obj) == []
+    KEEPS_PLACE[how](obj)
+    assert stale(obj) == []
+    go_to(25)
+    pose(obj, offset=(0.3, 0.3))
+    bpy.ops.planar.key_pose()
+    bpy.context.view_layer.update()
+    assert stale(obj) == [(1, 2)]
+    obj.scale = (0.5, 0.5, 0.5)
+    obj.location = (1.0, 0.0, 0.0)
+    bpy.context.view_layer.update()
+    KEEPS_PLACE[how](obj)
+    assert stale(obj) == [(1, 2)]
+
+
 def test_a_duplicate_is_applied_alone():
     obj = posed("outline")
     shape, area = world(obj), measured(obj).area

@@ -17,7 +17,7 @@ import numpy as np
 from ...model.plane.affine import Affine, affine_between
 from ...model.plane.frame import Array32, Indices, Mask
 from ...model.plane.rest import fitted
-from ..sequence import pose_state
+from ..sequence import pose_state, stretches
 from ..storage import migration, points
 from . import rest_shape, triangulation
 
@@ -25,6 +25,9 @@ from . import rest_shape, triangulation
 # whether that mesh had shape keys when it was last seen.
 _meshes: dict[int, int] = {}
 _keyed: dict[int, bool] = {}
+# By object: the poses (indices) behind which in-betweens were up to date when it was last seen, and whether
+# these had been edited. What takes poses and in-betweens along alike leaves them so.
+_inbetweens: dict[int, list[tuple[int, bool]]] = {}
 
 INTERPOLATED = 4  # an owner's number may be off by, as Blender's weights do not quite add up to 1
 
@@ -69,6 +72,8 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
         found = affine_between(seen[rows], present[rows])
         if found is not None:
             _carry(mesh, found, found.turns_over(seen[rows]))
+            for pose, edited in _inbetweens.get(obj.session_uid, []):
+                stretches.mark(obj, [pose], edited=edited)
             if rest is not None:
                 rest[rows] = found.of(rest[rows])
         if found is not None and rest is not None and not joined:
@@ -84,6 +89,7 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
         rest_shape.see(mesh, present)
     _meshes.setdefault(own, mesh.session_uid)
     _keyed[own] = mesh.shape_keys is not None
+    _inbetweens[obj.session_uid] = _up_to_date(obj)
     return joined
 
 
@@ -114,6 +120,7 @@ def forget() -> None:
     """Of another file nothing is known."""
     _meshes.clear()
     _keyed.clear()
+    _inbetweens.clear()
 
 
 def _concerned(obj: bpy.types.Object) -> bool:
@@ -173,6 +180,17 @@ def _take_in(
             rest[of_part] = fitted(rest[of_part].astype(np.float64), present[of_part], scaled=True)
     over = found is not None and seen is not None and found.turns_over(seen[rows])
     return Joined(rows, found, over)
+
+
+def _up_to_date(obj: bpy.types.Object) -> list[tuple[int, bool]]:
+    if not (pose_state.is_ours(obj) and stretches.has_inbetweens(obj)):
+        return []
+    stale = {first for first, _ in stretches.stale(obj)}
+    return [
+        (index, pose.edited)
+        for index, pose in enumerate(obj.planar.poses)
+        if pose.generated and index not in stale
+    ]
 
 
 def _give_basis(obj: bpy.types.Object, rows: Mask, rest: Array32, present: Array32) -> None:

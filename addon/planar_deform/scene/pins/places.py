@@ -101,7 +101,8 @@ def _keep_target(drawing: CutoutObject, pin: bpy.types.PropertyGroup, holder: Ho
     """
     place = holder.place(drawing.positions)
     moved = place - drawing.from_local(np.array([pin.reached], np.float64))[0]
-    if np.linalg.norm(moved) <= STILL_THERE * drawing.cutout.diagonal:
+    near, far = SAME_PLACE * drawing.cutout.diagonal, STILL_THERE * drawing.cutout.diagonal
+    if near < np.linalg.norm(moved) <= far:
         part = np.array([holder.part], np.int32)
         if pin.kind == "PATCH":
             target = drawing.from_local(np.array([pin.target], np.float64))[0] + moved
