@@ -60,8 +60,8 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
     bl_idname = "planar.mirror_pose"
     bl_label = "Mirror Pose"
     bl_description = (
-        "Turn the pose to the other side: vertex by vertex where the drawing is symmetric at rest, else by its "
-        "pins, paired by their names (Hand.L, Hand.R) or places"
+        "Turn the pose to the other side: vertex by vertex where the drawing is symmetric at rest, else by "
+        "its pins, paired by their names (Hand.L, Hand.R) or places"
     )
 
     axis: EnumProperty(

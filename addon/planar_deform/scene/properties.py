@@ -68,7 +68,7 @@ class PlanarPin(bpy.types.PropertyGroup):
     has_target: BoolProperty(options={"HIDDEN"})
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
     reached: FloatVectorProperty(size=3, options={"HIDDEN"})
-    # What an undo of a join, which Blender may apply to the mesh alone, has to be told by, see pins/joining.py.
+    # By these the undo of a join is told, which Blender may apply to the mesh alone, see pins/joining.py.
     came_from: IntProperty(options={"HIDDEN"})  # the owner of the mesh that brought it; 0: none
     group_before: StringProperty(options={"HIDDEN"})  # the group that it shared with a pin that came
 

@@ -46,7 +46,9 @@ def assert_all_stand(joined, expected, size):
     left = list(now)
     for place, target, settings in expected:
         gaps = [
-            np.linalg.norm(place - other[0]) + np.linalg.norm(target - other[1]) if other[2] == settings else np.inf
+            np.linalg.norm(place - other[0]) + np.linalg.norm(target - other[1])
+            if other[2] == settings
+            else np.inf
             for other in left
         ]
         assert min(gaps) < 1e-4 * size
@@ -78,7 +80,9 @@ def test_groups_of_pins_have_names_that_are_unique_in_the_file():
     assert (second.planar.pins[0].group, second.planar.pins[0].name) == ("Tail", "Tail")
 
 
-@pytest.mark.parametrize("kinds", [("outline", "text"), ("character", "outline"), ("text", "outline", "outline")])
+@pytest.mark.parametrize(
+    "kinds", [("outline", "text"), ("character", "outline"), ("text", "outline", "outline")]
+)
 def test_joined_layers_keep_their_pins(kinds):
     layers = [pinned(kind) for kind in kinds]
     for depth, layer in enumerate(layers):
@@ -230,7 +234,9 @@ def test_a_part_that_was_separated_comes_back():
     assert sum(len(standing(part)) for part in parts) == 4
     again = join(parts[0], parts[1])
     now = standing(again)
-    assert sorted(tuple(np.round(pin[0], 4)) for pin in now) == sorted(tuple(np.round(pin[0], 4)) for pin in expected)
+    assert sorted(tuple(np.round(pin[0], 4)) for pin in now) == sorted(
+        tuple(np.round(pin[0], 4)) for pin in expected
+    )
     assert evaluated(again).shape == coordinates(again.data.vertices).shape
 
 

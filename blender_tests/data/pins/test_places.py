@@ -192,7 +192,9 @@ def test_vertices_of_a_pin_that_are_dissolved_leave_it_in_its_place():
     add_pins(obj, [20], [33])
     bpy.ops.planar.add_pin(location=(1.51, 0.55, 0.0))
     before = places(obj)
-    in_edit_mode(obj, lambda: bpy.ops.mesh.dissolve_verts(), select=lambda vertex: vertex.index in (20, 33, 35, 36))
+    in_edit_mode(
+        obj, lambda: bpy.ops.mesh.dissolve_verts(), select=lambda vertex: vertex.index in (20, 33, 35, 36)
+    )
     assert len(obj.data.vertices) == 61
     assert places(obj) == pytest.approx(before, abs=1e-4)
 
@@ -252,5 +254,8 @@ def test_undone_and_redone():
         obj = bpy.data.objects["Coarse"]
         bpy.context.view_layer.update()
         assert places(obj) == pytest.approx(before, abs=1e-4)
-        while len(bpy.data.objects["Coarse"].data.vertices) == count or bpy.data.objects["Coarse"].mode != "OBJECT":
+        while (
+            len(bpy.data.objects["Coarse"].data.vertices) == count
+            or bpy.data.objects["Coarse"].mode != "OBJECT"
+        ):
             bpy.ops.ed.redo()

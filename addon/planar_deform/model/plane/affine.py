@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,8 @@ from .frame import Array, Array32, Mask, frame_across, mapped
 ROUNDING = 16 * 2.0**-23  # of the largest coordinate: what float32 arithmetic may have left
 FLAT = 1e-5  # of the largest extent: what is thinner has no extent in that direction
 ROUNDS = 12  # of leaving out what fits worst
-STARTS = 24  # from a few vertices each, where those rounds find nothing
+STARTS = 24  # from a few points each, where those rounds find nothing
+SAMPLE = 400  # points among which is looked
 
 
 @dataclass(frozen=True)
@@ -45,37 +47,42 @@ def affine_between(before: Array32, after: Array32) -> Affine | None:
         return None
     if stays.any() and _directions(start[stays]) == _directions(start):
         return None  # only what does nothing leaves all these where they were
-    chosen = np.ones(len(start), bool)
-    for _ in range(ROUNDS):
-        misses, found = _try(start, end, chosen, stays)
-        if found is not None:
-            return found
-        if misses is None:
-            return None
-        better = misses <= np.median(misses)
-        if np.array_equal(better, chosen):
-            break
-        chosen = better
-    draw = np.random.default_rng(0)
-    for _ in range(STARTS if len(start) > 8 else 0):
-        chosen = np.zeros(len(start), bool)
-        chosen[draw.choice(len(start), 6, replace=False)] = True
-        found = _try(start, end, chosen, stays)[1]
-        if found is not None:
-            return found
+    for found in _candidates(start, end):
+        explained = _misses(found, start, end)[1]
+        if 2 * np.count_nonzero(explained) > len(start) and explained[stays].all():
+            return _fitted(start[explained], end[explained]) or found
     return None
 
 
-def _try(start: Array, end: Array, chosen: Mask, stays: Mask) -> tuple[Array | None, Affine | None]:
-    """How far the map of the chosen points misses each, and the map of all that it explains if that will do."""
-    found = _fitted(start[chosen], end[chosen])
+def _candidates(start: Array, end: Array) -> Iterator[Affine]:
+    """Maps of all the points, of those that fit best, and of a few; looked for among SAMPLE of them."""
+    draw = np.random.default_rng(0)
+    found = _fitted(start, end)
     if found is None:
-        return None, None
-    misses, explained = _misses(found, start, end)
-    if 2 * np.count_nonzero(explained) <= len(start) or not explained[stays].all():
-        return misses, None
-    best = _fitted(start[explained], end[explained])
-    return misses, found if best is None else best
+        return
+    yield found
+    if len(start) > SAMPLE:
+        sample = draw.choice(len(start), SAMPLE, replace=False)
+        start, end = start[sample], end[sample]
+    for _ in range(ROUNDS):
+        misses = _misses(found, start, end)[0]
+        best = misses <= np.median(misses)
+        found = _fitted(start[best], end[best])
+        if found is None:
+            break
+        yield from _promising(found, start, end)
+    for _ in range(STARTS):
+        chosen = draw.choice(len(start), min(6, len(start)), replace=False)
+        found = _fitted(start[chosen], end[chosen])
+        if found is not None:
+            yield from _promising(found, start, end)
+
+
+def _promising(found: Affine, start: Array, end: Array) -> Iterator[Affine]:
+    """The map of what a map explains of a sample, if that is enough to look at all the points."""
+    explained = _misses(found, start, end)[1]
+    if 5 * np.count_nonzero(explained) > 2 * len(start):
+        yield _fitted(start[explained], end[explained]) or found
 
 
 def _misses(found: Affine, start: Array, end: Array) -> tuple[Array, Mask]:

@@ -13,7 +13,7 @@ from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..plane.locate import nearest_point
 from .pins import Holder, Pin, rotation
-from .posing import RAMP_SAMPLES, Posing, PinResult, Sample
+from .posing import RAMP_SAMPLES, PinResult, Posing, Sample
 from .side_names import flipped
 from .symmetry import Symmetry, nearest
 
@@ -32,10 +32,10 @@ class _Handle:
 class PinMirror(Posing):
     """Takes each pin from rest to where its partner on the other side was, seen in the mirror.
 
-    Partners are pins whose names tell so, as Hand.L and Hand.R, else those that rest in each other's mirror image.
-    What a pin does that has no partner is done by the drawing where that would be. Where there is no drawing,
-    the pin does by itself what it did, mirrored. Displacements from rest are mirrored, not places: the two sides
-    need not be equal.
+    Partners are pins whose names tell so, as Hand.L and Hand.R, else those that rest in each other's mirror
+    image. What a pin does that has no partner is done by the drawing where that would be. Where there is no
+    drawing, the pin does by itself what it did, mirrored. Displacements from rest are mirrored, not places:
+    the two sides need not be equal.
 
     `pins` are all that can be used, by name, and `positions` n x 2 the pose. `axis` as in Symmetry.
     """
@@ -51,7 +51,9 @@ class PinMirror(Posing):
         self._pins = [holder for _, holder in pins]
         self._places = [holder.place(cutout.rest) for holder in self._pins]
         partners = _by_name([name for name, _ in pins])
-        self._symmetry = _mirror(cutout, axis, [(self._places[a], self._places[b]) for a, b in partners.items()])
+        self._symmetry = _mirror(
+            cutout, axis, [(self._places[a], self._places[b]) for a, b in partners.items()]
+        )
         self._add_by_place(partners, NEAR * cutout.diagonal)
         count = sum(index < partner for index, partner in partners.items())
         self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
@@ -91,7 +93,7 @@ class PinMirror(Posing):
         return place + share * (handle.target - place), turned + share * (handle.angle - turned)
 
     def _add_by_place(self, partners: dict[int, int], near: float) -> None:
-        """Pair those that are without a partner and rest where another one's mirror image does, or their own."""
+        """Pair those without a partner that rest where another one's mirror image does, or their own."""
         left = [index for index in range(len(self._pins)) if index not in partners]
         gaps = np.full((len(left), len(left)), np.inf)
         for row, index in enumerate(left):
@@ -127,7 +129,8 @@ class PinMirror(Posing):
         targets = np.array([handle.target for handle in handles])
         arms, goals = ((places - places.mean(axis=0)) @ [1.0, 1j] for places in (rest, targets))
         turn = float(np.angle((np.conj(arms) * goals).sum()))
-        return targets.mean(axis=0) + (cutout.rest - rest.mean(axis=0)) @ rotation(turn).T
+        placed: Array = targets.mean(axis=0) + (cutout.rest - rest.mean(axis=0)) @ rotation(turn).T
+        return placed
 
     def _opposite(self, cutout: Cutout, index: int) -> tuple[Pin, Array] | None:
         """The drawing where the mirror image of a pin rests, as a pin; None where there is none."""

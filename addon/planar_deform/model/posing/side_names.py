@@ -6,7 +6,14 @@ from __future__ import annotations
 import re
 
 _OTHER = {"l": "r", "r": "l", "L": "R", "R": "L"}
-_WORDS = {"left": "right", "right": "left", "Left": "Right", "Right": "Left", "LEFT": "RIGHT", "RIGHT": "LEFT"}
+_WORDS = {
+    "left": "right",
+    "right": "left",
+    "Left": "Right",
+    "Right": "Left",
+    "LEFT": "RIGHT",
+    "RIGHT": "LEFT",
+}
 # In the order in which Blender looks: a letter behind a separator, one before it, a word at either end.
 _LETTER_BEHIND = re.compile(r"(.*[-._ ])([lrLR])", re.DOTALL)
 _LETTER_BEFORE = re.compile(r"([lrLR])([-._ ].*)", re.DOTALL)

@@ -149,7 +149,8 @@ class CutoutObject(FlatObject):
     def rest_place(self, place: Array) -> Array:
         """Where an object-local position (3,) of the rest shape is in `rest` (2,)."""
         frame = self._rest.frame.mirrored() if self._turned_over else self._rest.frame
-        return frame.flatten(mapped(place[None, :], self._linear))[0]
+        flat: Array = frame.flatten(mapped(place[None, :], self._linear))[0]
+        return flat
 
     def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
         """Where a world ray meets the plane of a part (2,); None edge-on (within 5 degrees) or behind it."""

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What has been done to a mesh as a whole since it was last seen: its rest shape and its pins follow.
 
-Blender takes the coordinates and the shape keys of a mesh along when a transform is applied, an origin is set,
-objects are joined or all is edited, but not its attributes and what an object holds of pins. So the mesh keeps
-the shape in which it was last seen, and the affine map that explains what it is now tells what was done. An
-edit that no map explains, as of some vertices, leaves the rest shape as it is.
+Blender takes the coordinates and the shape keys of a mesh along when a transform is applied, an origin is
+set, objects are joined or all is edited, but not its attributes and what an object holds of pins. So the mesh
+keeps the shape in which it was last seen, and the affine map that explains what it is now tells what was
+done. An edit that no map explains, as of some vertices, leaves the rest shape as it is.
 """
 
 from __future__ import annotations

@@ -138,9 +138,7 @@ def _relative_chain(key: bpy.types.ShapeKey) -> list[bpy.types.ShapeKey]:
     return chain
 
 
-def _put(
-    mesh: bpy.types.Mesh, name: str, kind: str, field: str, values: Array32 | Indices | None
-) -> None:
+def _put(mesh: bpy.types.Mesh, name: str, kind: str, field: str, values: Array32 | Indices | None) -> None:
     found = _attribute(mesh, name, kind)
     if values is not None:
         found = found or _new_attribute(mesh, name, kind)

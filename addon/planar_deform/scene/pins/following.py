@@ -10,7 +10,7 @@ from . import joining, pin_list, places
 
 
 def follow(obj: bpy.types.Object) -> None:
-    """After an update of a mesh object that has been joined, edited, transformed, or had its groups changed."""
+    """After an update of a mesh object: a join, an edit, a transform, a change of its groups."""
     pinned = pin_list.has_pins(obj)
     if pinned:
         joining.undone(obj)

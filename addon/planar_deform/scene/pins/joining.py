@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pins that come with a drawing that is joined to another.
 
-A join keeps the vertex groups, and makes one of those of the same name; the list of pins goes with its object.
-So the lists are remembered, by the owner of the mesh (storage/migration.py), as long as Blender runs. Vertices
-with that owner in another mesh tell of a join, and where its pins are.
+A join keeps the vertex groups, and makes one of those of the same name; the list of pins goes with its
+object. So the lists are remembered, by the owner of the mesh (storage/migration.py), as long as Blender runs.
+Vertices with that owner in another mesh tell of a join, and where its pins are.
 """
 
 from __future__ import annotations
@@ -15,10 +15,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...model.plane.frame import Indices
 from ..objects import mesh_edits
 from ..objects.mesh_edits import Joined
-from ..storage.vertex_groups import members
+from ..storage.vertex_groups import Members, members
 from . import pin_list
 
 _NOBODY = np.empty(0, np.int32), np.empty(0)
@@ -111,9 +110,9 @@ def _add(
     pin: _Pin,
     part: Joined,
     owner: int,
-    of: tuple[Indices, np.ndarray] | None,
+    of: Members | None,
 ) -> None:
-    """Add a pin that was remembered, on its group or, where that is shared, on a new one of these vertices."""
+    """Add a pin that was remembered, on its group or, `of` these vertices, on a new one."""
     group = obj.vertex_groups[pin.group] if of is None else pin_list.new_group(obj)
     if of is not None:
         pin_list.fill(group, *of)

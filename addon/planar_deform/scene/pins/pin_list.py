@@ -180,7 +180,7 @@ def append(
 
 
 def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indices, weights: Array) -> None:
-    """Make a pin hold these mesh vertices. A group that is not its own alone stays as it is, for another one."""
+    """Make a pin hold these mesh vertices, by a new group where the one it has is not its own alone."""
     shared = [other for other in obj.planar.pins if other.group == pin.group]
     group = obj.vertex_groups.get(pin.group)
     if group is None or not pin.owns_group or len(shared) > 1:
@@ -201,7 +201,7 @@ def give_group(pin: bpy.types.PropertyGroup, name: str) -> None:
 
 
 def new_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
-    """A vertex group for a pin, of a name that no other pin of the file uses: a join makes one of equal ones."""
+    """A vertex group for a pin, named as no other pin's of the file: a join makes one of equal ones."""
     taken = {name for other in bpy.data.objects if has_pins(other) for name in groups_of(other)}
     return obj.vertex_groups.new(name=free_name(GROUP_NAME, taken | set(obj.vertex_groups.keys())))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where pins are on the rest shape, so that they stay there when the mesh is subdivided, decimated or extended.
+"""Where pins are on the rest shape, so that they stay there when the mesh is subdivided, thinned, extended.
 
 A pin is a vertex group, and edits of the mesh give new vertices weights in it. The mesh therefore keeps the
 place of each group, and how many vertices, edges and corners it had then: as long as these are the same, the
@@ -68,9 +68,7 @@ def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Mem
     return changed
 
 
-def _binding(
-    drawing: CutoutObject, pin: Pin, kept: bpy.types.PropertyGroup, owned: bool
-) -> Binding | None:
+def _binding(drawing: CutoutObject, pin: Pin, kept: bpy.types.PropertyGroup, owned: bool) -> Binding | None:
     """What holds the place of a pin; None where its group does, or nothing can."""
     cutout, rows = drawing.cutout, pin.vertices
     place = drawing.rest_place(np.array(kept.place))

@@ -37,7 +37,14 @@ def posed(cutout, pins, moving, offset=(0.0, 0.0), angle=0.0):
     posing.settle()
     results = {result.key: result for result in posing.results()}
     return posing.positions, [
-        pin(p.vertices, key=p.key, kind=p.kind, enabled=p.enabled, target=results[p.key].target, angle=results[p.key].angle)
+        pin(
+            p.vertices,
+            key=p.key,
+            kind=p.kind,
+            enabled=p.enabled,
+            target=results[p.key].target,
+            angle=results[p.key].angle,
+        )
         if p.key in results
         else p
         for p in pins
@@ -63,7 +70,10 @@ def test_a_pair_changes_sides_and_a_pin_in_the_middle_stays(names):
     positions, pins = posed(cutout, pins, [2], (-1.0, 3.0))
     before = asked(cutout, pins)
     found = mirrored(cutout, positions, pins, names)
-    after = {result.key: result.target - Holder(pins[result.key], cutout).place(cutout.rest) for result in found.results()}
+    after = {
+        result.key: result.target - Holder(pins[result.key], cutout).place(cutout.rest)
+        for result in found.results()
+    }
     assert after[0] == pytest.approx(before[2] * [-1, 1])
     assert after[2] == pytest.approx(before[0] * [-1, 1])
     assert after[1] == pytest.approx(before[1] * [-1, 1])
