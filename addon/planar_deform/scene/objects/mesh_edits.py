@@ -50,45 +50,29 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
         return {}
     mesh = obj.data
     present, seen = rest_shape.reference(obj), rest_shape.seen_of(mesh)
-    owners = _owners(mesh)
-    own, rest = int(owners[0]), rest_shape.stored_of(mesh)
+    owners, rest = _owners(mesh), rest_shape.stored_of(mesh)
     if is_joined(owners) and _tidy(mesh, owners, present):
         rest_shape.write_owners(mesh, owners)
-    joined = {}
-    if is_joined(owners):
-        if own == 0:  # nothing was known of it, so it has not been posed
-            own = rest_shape.new_owner()
-            if rest is not None:
-                rest[owners == 0] = present[owners == 0]
-            owners[owners == 0] = own
-        elif rest is not None and not rest[owners == own].any():  # it had none before
-            rest[owners == own] = present[owners == own]
-        for owner in np.unique(owners[(owners != own) & (owners != 0)]).tolist():
-            joined[owner] = _take_in(mesh, owners == owner, rest, seen, present)
-            if rest is not None and pose_state.is_ours(obj) and not _keyed.get(owner, True):
-                _give_basis(obj, owners == owner, rest, present)
-    if seen is not None and not np.array_equal(seen.view(np.int32), present.view(np.int32)):
-        rows = owners == own
-        found = affine_between(seen[rows], present[rows])
-        if found is not None:
-            _carry(mesh, found, found.turns_over(seen[rows]))
-            for pose, edited in _inbetweens.get(obj.session_uid, []):
-                stretches.mark(obj, [pose], edited=edited)
-            if rest is not None:
-                rest[rows] = found.of(rest[rows])
-        if found is not None and rest is not None and not joined:
-            rest_shape.put_back(mesh, rest, owners)
-    if joined:
-        for part in joined.values():
-            owners[part.rows] = own
-        if rest is not None:
-            rest_shape.put_back(mesh, rest, owners)
-        else:
-            rest_shape.write_owners(mesh, owners)
-    if seen is None or not np.array_equal(seen.view(np.int32), present.view(np.int32)):
+    joined = _take_in_all(obj, owners, rest, seen, present) if is_joined(owners) else {}
+    rows = owners == owners[0]
+    for part in joined.values():
+        rows &= ~part.rows
+    edited = seen is None or not np.array_equal(seen.view(np.int32), present.view(np.int32))
+    done = None
+    if edited and seen is not None:
+        done = affine_between(seen[rows], present[rows])
+        if done is not None:
+            _carry(obj, done, done.turns_over(seen[rows]))
+        if done is not None and rest is not None:
+            rest[rows] = done.of(rest[rows])
+    if rest is not None and (joined or done is not None):
+        rest_shape.put_back(mesh, rest, owners)
+    elif joined:
+        rest_shape.write_owners(mesh, owners)
+    if edited:
         rest_shape.see(mesh, present)
-    _meshes.setdefault(own, mesh.session_uid)
-    _keyed[own] = mesh.shape_keys is not None
+    _meshes.setdefault(int(owners[0]), mesh.session_uid)
+    _keyed[int(owners[0])] = mesh.shape_keys is not None
     _inbetweens[obj.session_uid] = _up_to_date(obj)
     return joined
 
@@ -113,7 +97,9 @@ def owner_of(mesh: bpy.types.Mesh) -> int:
 def is_elsewhere(owner: int, mesh: bpy.types.Mesh) -> bool:
     """Whether an owner's number is that of another mesh of the file."""
     uid = _meshes.get(owner, mesh.session_uid)
-    return uid != mesh.session_uid and any(other.session_uid == uid for other in bpy.data.meshes)
+    return uid != mesh.session_uid and any(
+        other.session_uid == uid and other.users for other in bpy.data.meshes
+    )
 
 
 def forget() -> None:
@@ -161,6 +147,26 @@ def _tidy(mesh: bpy.types.Mesh, owners: Indices, present: Array32) -> bool:
     return bool(rounded.any() or len(mixed))
 
 
+def _take_in_all(
+    obj: bpy.types.Object, owners: Indices, rest: Array32 | None, seen: Array32 | None, present: Array32
+) -> dict[int, Joined]:
+    """Make what has been joined to a mesh its own, in these arrays; what that was, by its owner."""
+    if owners[0] == 0:  # nothing was known of the mesh, so it has not been posed
+        owners[owners == 0] = rest_shape.new_owner()
+    own = owners == owners[0]
+    if rest is not None and not rest[own].any():
+        rest[own] = present[own]
+    joined = {}
+    for owner in np.unique(owners[~own & (owners != 0)]).tolist():
+        rows = owners == owner
+        joined[owner] = _take_in(obj.data, rows, rest, seen, present)
+        if rest is not None and pose_state.is_ours(obj) and not _keyed.get(owner, True):
+            _give_basis(obj, rows, rest, present)
+    for part in joined.values():
+        owners[part.rows] = owners[0]
+    return joined
+
+
 def _take_in(
     mesh: bpy.types.Mesh, rows: Mask, rest: Array32 | None, seen: Array32 | None, present: Array32
 ) -> Joined:
@@ -201,8 +207,11 @@ def _give_basis(obj: bpy.types.Object, rows: Mask, rest: Array32, present: Array
     points.update(obj)
 
 
-def _carry(mesh: bpy.types.Mesh, done: Affine, turned_over: bool) -> None:
-    """What is stored of the pins follows."""
+def _carry(moved: bpy.types.Object, done: Affine, turned_over: bool) -> None:
+    """What is stored of the pins follows, and in-betweens belong to the poses as they are by now."""
+    mesh = moved.data
+    for pose, edited in _inbetweens.get(moved.session_uid, []):
+        stretches.mark(moved, [pose], edited=edited)
     for place in mesh.planar_seen.places:
         place.place = done.of(np.array([place.place]))[0]
     for obj in bpy.data.objects:
