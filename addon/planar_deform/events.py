@@ -16,6 +16,7 @@ from .operators import stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.objects import triangulation
+from .scene.pins import following
 from .scene.storage import changes, digests, migration
 from .scene.view import coarseness, onion, snapshot
 
@@ -34,8 +35,8 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             changed.append(update.id.original)
             if shape:
                 changes.tell(changed[-1])
-    for obj in changed:
-        follow.match_groups(obj)
+    for obj in dict.fromkeys(changed):
+        follow.match_mesh(obj)
     stiffness.changed()
 
 
@@ -59,6 +60,12 @@ def _before_load(*_: object) -> None:
     try_all((running.let_go, *RESET))
 
 
+def _after_load(*_: object) -> None:
+    _on_new_data()
+    for obj in bpy.data.objects:
+        follow.match_mesh(obj)
+
+
 def _on_new_data(*_: object) -> None:
     """A file is loaded, something appended; or what is to be saved may have become local since."""
     migration.migrate_all()
@@ -76,6 +83,7 @@ RESET: tuple[Callable[[], None], ...] = (
     onion.forget,
     coarseness.forget,
     stiffness.forget,
+    following.forget,
 )
 
 
@@ -87,7 +95,8 @@ HANDLERS: dict[str, Callable[..., None]] = {  # of bpy.app.handlers, by name
     "undo_post": _after_undo,
     "redo_post": _after_undo,
     "load_pre": _before_load,
-    **dict.fromkeys(("load_post", "save_pre", *compat.AFTER_IMPORT), _on_new_data),
+    "load_post": _after_load,
+    **dict.fromkeys(("save_pre", *compat.AFTER_IMPORT), _on_new_data),
 }
 
 

@@ -13,6 +13,7 @@ from .. import native
 from ..errors import Refusal
 from ..model.plane.frame import Array
 from ..model.posing import solver_cache, solving
+from ..model.posing.pin_mirror import PinMirror
 from ..model.posing.pin_reset import PinReset
 from ..model.posing.pins import Holder
 from ..model.posing.pose_copy import CopiedPose, copied, pasted
@@ -58,7 +59,10 @@ class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
 class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
     bl_idname = "planar.mirror_pose"
     bl_label = "Mirror Pose"
-    bl_description = "Turn the pose of a drawing that is symmetric at rest to the other side"
+    bl_description = (
+        "Turn the pose to the other side: vertex by vertex where the drawing is symmetric at rest, else by "
+        "its pins, paired by their names (Hand.L, Hand.R) or places"
+    )
 
     axis: EnumProperty(
         name="Axis",
@@ -84,7 +88,8 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
         try:
             symmetry = find_symmetry(rest, edges, int(self.axis == "VERTICAL"), tolerance)
         except NotSymmetricError as error:
-            raise Refusal(f"The rest shape is not symmetric: {error}") from error
+            self._by_pins(context, drawing, str(error))
+            return
         positions = symmetry.mirrored(drawing.positions)
         holders = [holder for _, holder in _named(obj, drawing)]
         results = []
@@ -95,6 +100,23 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
                 place = holder.place(positions)
                 results.append(PinResult(holder.pin.key, holder.part, target, place, -other.angle))
         _show(context, drawing, positions, results)
+
+    def _by_pins(self, context: bpy.types.Context, drawing: CutoutObject, why: str) -> None:
+        solving.halt()
+        obj, cutout = context.object, drawing.cutout
+        pins = _named(obj, drawing)
+        if not any(holder.pin.enabled for _, holder in pins):
+            raise Refusal(
+                f"The rest shape is not symmetric: {why}. With pins that are on, it can be mirrored by these"
+            )
+        poser = partial(solver_cache.poser_for, drawing.session_uid, cutout, obj.planar.method.lower())
+        posing = PinMirror(cutout, drawing.positions, pins, int(self.axis == "VERTICAL"), poser)
+        try:
+            posing.run()
+        except native.SolveError as error:
+            raise Refusal(str(error)) from error
+        _show(context, drawing, posing.positions, posing.results())
+        self.report({"INFO"}, f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
 
 
 class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):

@@ -5,21 +5,28 @@ from __future__ import annotations
 
 import bpy
 
+from .pins import following
 from .pins.pin_list import sync
 from .sequence import pose_edit, pose_state
 from .storage import migration
+from .storage.migration import OWNER
+from .view import snapshot
 
 
-def match_groups(obj: bpy.types.Object) -> None:
-    """After an update of an object: its pins and its stiffness follow its vertex groups."""
-    if obj.type != "MESH" or not obj.is_property_set("planar"):  # which the first look at it sets
+def match_mesh(obj: bpy.types.Object) -> None:
+    """After an update of an object: its pins and its stiffness follow its mesh and its vertex groups.
+
+    While a drag is on, the drag alone changes these.
+    """
+    if obj.type != "MESH" or obj.library is not None or obj.mode not in {"OBJECT", "WEIGHT_PAINT"}:
         return
-    if not obj.planar.pins and not obj.planar.stiffness_group:
+    if not obj.is_property_set("planar") and OWNER not in obj.data.attributes:
+        return  # the first look at its settings sets them
+    if migration.is_newer(obj) or snapshot.following(obj):
         return
-    if migration.is_newer(obj):
-        return
-    if obj.library is None and obj.mode in {"OBJECT", "WEIGHT_PAINT"}:
+    if obj.planar.stiffness_group and not obj.planar.pins:
         sync(obj)
+    following.follow(obj)
 
 
 def activate_shown_pose(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

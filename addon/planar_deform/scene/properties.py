@@ -14,6 +14,7 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
+    IntVectorProperty,
     PointerProperty,
     StringProperty,
 )
@@ -90,6 +91,9 @@ class PlanarPin(bpy.types.PropertyGroup):
     has_target: BoolProperty(options={"HIDDEN"})
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
     reached: FloatVectorProperty(size=3, options={"HIDDEN"})
+    # By these the undo of a join is told, which Blender may apply to the mesh alone, see pins/joining.py.
+    came_from: IntProperty(options={"HIDDEN"})  # the owner of the mesh that brought it; 0: none
+    group_before: StringProperty(options={"HIDDEN"})  # the group that it shared with a pin that came
 
 
 def _rename_block(pose: PlanarPose, _context: bpy.types.Context) -> None:
@@ -153,6 +157,21 @@ class PlanarPose(bpy.types.PropertyGroup):
 
 def _number(settings: PlanarSettings, _context: bpy.types.Context) -> None:
     migration.migrate(settings.id_data)
+
+
+class PlanarPlace(bpy.types.PropertyGroup):
+    """Where the pins of a vertex group, which is its name, are on the rest shape."""
+
+    place: FloatVectorProperty(size=3, options={"HIDDEN"})  # object-local
+    even: BoolProperty(options={"HIDDEN"})  # all of the group have the same weight
+
+
+class PlanarSeen(bpy.types.PropertyGroup):
+    """A mesh as it was last seen; see objects/mesh_edits.py and pins/places.py."""
+
+    keyed: BoolProperty(options={"HIDDEN"})  # the shape seen is that of the Basis
+    counts: IntVectorProperty(size=3, options={"HIDDEN"})  # vertices, edges, corners
+    places: CollectionProperty(type=PlanarPlace)
 
 
 class PlanarSettings(bpy.types.PropertyGroup):
@@ -250,23 +269,21 @@ class PlanarSettings(bpy.types.PropertyGroup):
     key_before: IntProperty(options={"HIDDEN"})
     # The curve's values before in-betweens were generated, see model/timing/played_curve.py.
     curve_before: StringProperty(options={"HIDDEN"})
-    cache_stamp: StringProperty(
-        options={"HIDDEN"}
-    )  # what the point cache was baked from, see motion/cache_age.py
+    # What the point cache was baked from, see motion/cache_age.py.
+    cache_stamp: StringProperty(options={"HIDDEN"})
 
 
-CLASSES = (PlanarPin, PlanarPose, PlanarSettings)
+CLASSES = (PlanarPin, PlanarPose, PlanarPlace, PlanarSeen, PlanarSettings)
 
 
 def register() -> None:
-    """Adds Object.planar and Mesh.planar_version; the classes are registered already."""
+    """Adds Object.planar, Mesh.planar_version and Mesh.planar_seen; the classes are registered already."""
     bpy.types.Object.planar = PointerProperty(type=PlanarSettings)
     bpy.types.Mesh.planar_version = IntProperty(options={"HIDDEN"})  # see storage/migration.py
+    bpy.types.Mesh.planar_seen = PointerProperty(type=PlanarSeen)
 
 
 def unregister() -> None:
     """Removes them."""
-    try_all(
-        partial(delattr, owner, name)
-        for owner, name in ((bpy.types.Mesh, "planar_version"), (bpy.types.Object, "planar"))
-    )
+    own = ((bpy.types.Mesh, "planar_seen"), (bpy.types.Mesh, "planar_version"), (bpy.types.Object, "planar"))
+    try_all(partial(delattr, owner, name) for owner, name in own)

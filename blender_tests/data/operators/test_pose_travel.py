@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from drawings import character
 from sequences import go_to, key, same, shown_at, stored
 from support import (
     PLANES,
@@ -15,7 +16,9 @@ from support import (
     evaluated,
     grid,
     make_object,
+    measured,
     pose,
+    world,
 )
 
 
@@ -186,6 +189,77 @@ def test_what_is_not_symmetric_is_refused_and_told_why():
     bar(triangles=True, name="Triangles")
     with pytest.raises(RuntimeError, match="edges have no partner"):
         bpy.ops.planar.mirror_pose()
+
+
+def pinned_character(names):
+    """Woody with pins on both hands, both feet and the head, as far as they tell their sides."""
+    obj = character("woody")
+    shape = world(obj)[:, [0, 2]]
+    low, high = shape.min(axis=0), shape.max(axis=0)
+    for name, place in zip(names, ((0, 0.55), (1, 0.55), (0.35, 0), (0.65, 0), (0.5, 1)), strict=True):
+        goal = low + (high - low) * place
+        add_pins(obj, [int(np.argmin(np.linalg.norm(shape - goal, axis=1)))])
+        obj.planar.pins[len(obj.planar.pins) - 1].name = name
+    return obj
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["Hand.L", "Hand.R", "Foot.L", "Foot.R", "Head"],
+        ["LeftHand", "RightHand", "l_foot", "r_foot", "Head"],
+        ["Pin", "Pin.001", "Pin.002", "Pin.003", "Pin.004"],
+    ],
+)
+def test_a_character_that_is_not_symmetric_is_mirrored_by_its_pins(names):
+    obj = pinned_character(names)
+    size = np.ptp(world(obj), axis=0).max()
+    rest = pins_in_world(obj)
+    pose(obj, offset=(-0.1 * size, 0.3 * size), moving=[1])
+    before, area = pins_in_world(obj), measured(obj).area
+    assert bpy.ops.planar.mirror_pose() == {"FINISHED"}
+    after = pins_in_world(obj)
+    swapped = (before - rest)[[1, 0, 3, 2, 4]] * [-1, 1, 1]
+    assert after - rest == pytest.approx(swapped, abs=0.02 * size)
+    assert measured(obj).flipped == 0
+    assert measured(obj).area == pytest.approx(area, rel=0.1)
+    assert bpy.ops.planar.mirror_pose() == {"FINISHED"}
+    assert pins_in_world(obj) == pytest.approx(before, abs=0.02 * size)
+
+
+def test_a_character_is_mirrored_at_its_frame_in_one_undo_step():
+    obj = pinned_character(["Hand.L", "Hand.R", "Foot.L", "Foot.R", "Head"])
+    size = np.ptp(world(obj), axis=0).max()
+    first = key(obj, 1)
+    go_to(25)
+    pose(obj, offset=(-0.1 * size, 0.3 * size), moving=[1])
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Start")
+    before = stored(obj)
+    assert bpy.ops.planar.mirror_pose() == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Mirror")
+    assert same(shown_at(obj, 1), first)
+    go_to(25)
+    bpy.ops.ed.undo()
+    assert stored(bpy.data.objects["Woody"]) == before
+
+
+def test_without_pins_that_are_on_nothing_can_be_mirrored_by():
+    obj = pinned_character(["Hand.L", "Hand.R", "Foot.L", "Foot.R", "Head"])
+    for pin in obj.planar.pins:
+        pin.enabled = False
+    before = stored(obj)
+    with pytest.raises(RuntimeError, match="of 694 vertices have no partner .* pins that are on"):
+        bpy.ops.planar.mirror_pose()
+    assert stored(obj) == before
+
+
+def pins_in_world(obj):
+    from planar_deform.scene.view import snapshot
+
+    activate(obj)
+    snapshot.forget()
+    return np.array([pin.place for pin in snapshot.of_active(bpy.context).pins])
 
 
 def test_a_mirrored_pose_of_a_sequence_stays_at_its_frame():

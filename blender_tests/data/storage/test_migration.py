@@ -220,7 +220,7 @@ def test_a_joined_rest_shape_has_its_number_when_it_is_saved(tmp_path):
     obj.select_set(True)
     bpy.context.view_layer.update()
     bpy.ops.object.join()
-    assert plain.data.planar_version == 0
+    assert plain.data.planar_version == VERSION
     assert "planar_rest" in plain.data.attributes
     path = str(tmp_path / "joined.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)

@@ -84,6 +84,7 @@ class CutoutObject(FlatObject):
     """A mesh object as a cutout. Indices are those of the cutout: vertices of faces, in the mesh's order."""
 
     cutout: Cutout
+    known: Mask  # n, vertices that have a rest of their own; others were added by an edit
     stiffness_stamp: str  # of the painting that the cutout's stiffness comes from
 
     def __init__(
@@ -106,6 +107,7 @@ class CutoutObject(FlatObject):
             world = mapped(shown, self._linear)
             self._take_frame(_flat_frame(shown, world, triangles, parts, self._linear, "Its faces do"), world)
         rest, known = self._known_rest(shown)
+        self.known = known.copy()
         self._rest = self._flat_rest(rest, known, shown, before)
         # Rest and pose are seen from the same side, however the mesh has been turned over in between.
         shown_sides = np.sign(signed_areas(self.positions, triangles[self._rest.whole]))
@@ -143,6 +145,12 @@ class CutoutObject(FlatObject):
     def diagonal(self) -> float:
         """Of the rest shape's bounding box."""
         return self.cutout.diagonal
+
+    def rest_place(self, place: Array) -> Array:
+        """Where an object-local position (3,) of the rest shape is in `rest` (2,)."""
+        frame = self._rest.frame.mirrored() if self._turned_over else self._rest.frame
+        flat: Array = frame.flatten(mapped(place[None, :], self._linear))[0]
+        return flat
 
     def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
         """Where a world ray meets the plane of a part (2,); None edge-on (within 5 degrees) or behind it."""
@@ -203,6 +211,8 @@ class CutoutObject(FlatObject):
     def restore(self) -> None:
         """Put everything back as it was when this was read, to the bit."""
         super().restore()
+        if self._in_mesh:
+            rest_shape.see(self.resolve().data, self._store.begin)
         if self._rest_written:
             rest_shape.put_back(self.resolve().data, self._reading.stored, self._reading.owners)
             self._rest_written = False
@@ -212,6 +222,8 @@ class CutoutObject(FlatObject):
             rest_shape.write(self.resolve().data, self._rest_after)
             self._rest_written = True
         super()._put(shape)
+        if self._in_mesh:  # so that what is posed is not taken for an edit of the mesh
+            rest_shape.see(self.resolve().data, shape)
 
     # -- rest
 

@@ -13,6 +13,7 @@ from ...model.plane.cutout import diagonal_of
 from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped
 from ...model.posing import solving
 from ..storage import migration, points, shape_keys
+from . import mesh_edits
 from .pose_store import PoseStore
 
 FLATNESS = 1e-3  # of the diagonal: how far a part may leave its plane
@@ -41,9 +42,14 @@ def data_refusal(obj: bpy.types.Object, mode: str) -> str | None:
 
 
 def make_current(context: bpy.types.Context) -> None:
-    """Before the active object is read: end a drag that still is on with what it shows, update transforms."""
+    """Before the active object is read: end a drag that still is on with what it shows, update transforms.
+
+    What has been done to its mesh as a whole is taken into account, too.
+    """
     solving.interrupt()
     context.view_layer.update()
+    if context.object is not None:
+        mesh_edits.catch_up(context.object)
 
 
 class FlatObject:

@@ -12,7 +12,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array32, Indices
 from ..sequence import pose_state
 from ..storage import points, shape_keys
-from ..storage.migration import OWNER, REST, VERSION
+from ..storage.migration import OWNER, REST, SEEN, VERSION
 
 
 def basis_or_stored(obj: bpy.types.Object) -> Array32 | None:
@@ -20,12 +20,27 @@ def basis_or_stored(obj: bpy.types.Object) -> Array32 | None:
     mesh = obj.data
     if mesh.shape_keys is not None:
         return points.read_block(obj, mesh.shape_keys.reference_key)
-    stored = _attribute(mesh, REST, "FLOAT_VECTOR")
-    if stored is None:
+    return stored_of(mesh)
+
+
+def stored_of(mesh: bpy.types.Mesh) -> Array32 | None:
+    """Rest positions count x 3 as the attribute of the mesh has them, which it may beside shape keys."""
+    return _vectors(mesh, REST)
+
+
+def seen_of(mesh: bpy.types.Mesh) -> Array32 | None:
+    """The shape count x 3 in which the mesh, or its Basis, was last seen; None where that is not known."""
+    if mesh.planar_seen.keyed != (mesh.shape_keys is not None):
         return None
-    rest = np.empty(len(mesh.vertices) * 3, np.float32)
-    stored.data.foreach_get("vector", rest)
-    return rest.reshape(-1, 3)
+    return _vectors(mesh, SEEN)
+
+
+def see(mesh: bpy.types.Mesh, shape: Array32) -> None:
+    """Keep the shape count x 3 that the mesh, or its Basis, has now."""
+    keyed = mesh.shape_keys is not None
+    if mesh.planar_seen.keyed != keyed:
+        mesh.planar_seen.keyed = keyed
+    _put(mesh, SEEN, "FLOAT_VECTOR", "vector", shape)
 
 
 def owners_of(mesh: bpy.types.Mesh) -> Indices | None:
@@ -40,24 +55,24 @@ def owners_of(mesh: bpy.types.Mesh) -> Indices | None:
 
 def write(mesh: bpy.types.Mesh, rest: Array32) -> None:
     """Store rest positions, count x 3, on a mesh without shape keys, all owned by this mesh."""
-    # Below 2^24, so that Blender's interpolation in float keeps it.
-    owners = np.full(len(mesh.vertices), random.randrange(1, 1 << 24), np.int32)
-    put_back(mesh, rest, owners)
+    put_back(mesh, rest, np.full(len(mesh.vertices), new_owner(), np.int32))
+
+
+def new_owner() -> int:
+    """A number that no mesh has, to all probability."""
+    return random.randrange(1, 1 << 24)  # so that Blender's interpolation in float keeps it
 
 
 def put_back(mesh: bpy.types.Mesh, rest: Array32 | None, owners: Indices | None) -> None:
     """Store rest and owners as they were read, and nothing where there was nothing."""
     mesh.planar_version = 0 if rest is None else VERSION
-    for name, kind, field, values in (
-        (REST, "FLOAT_VECTOR", "vector", rest),
-        (OWNER, "INT", "value", owners),
-    ):
-        found = _attribute(mesh, name, kind)
-        if values is not None:
-            found = found or _new_attribute(mesh, name, kind)
-            found.data.foreach_set(field, np.ascontiguousarray(values).ravel())
-        elif found is not None:
-            mesh.attributes.remove(found)
+    _put(mesh, REST, "FLOAT_VECTOR", "vector", rest)
+    write_owners(mesh, owners)
+
+
+def write_owners(mesh: bpy.types.Mesh, owners: Indices | None) -> None:
+    """Store the owner of each vertex (count,), or none."""
+    _put(mesh, OWNER, "INT", "value", owners)
 
 
 def ensure(obj: bpy.types.Object) -> None:
@@ -65,6 +80,12 @@ def ensure(obj: bpy.types.Object) -> None:
     mesh = obj.data
     if basis_or_stored(obj) is None:
         write(mesh, points.read(obj))
+
+
+def reference(obj: bpy.types.Object) -> Array32:
+    """The shape count x 3 of the mesh itself, of its Basis where it has shape keys. Raises Refusal."""
+    keys = obj.data.shape_keys
+    return points.read(obj) if keys is None else points.read_block(obj, keys.reference_key)
 
 
 def set_to_current(obj: bpy.types.Object) -> None:
@@ -77,13 +98,19 @@ def set_to_current(obj: bpy.types.Object) -> None:
     mesh = obj.data
     if mesh.shape_keys is None:
         write(mesh, points.read(obj))
-        return
-    if not mesh.shape_keys.use_relative:
+    elif not mesh.shape_keys.use_relative:
         shown = pose_state.shown_points(obj)  # the poses stay as they are, wherever the rest is
         points.write_block(mesh.shape_keys.reference_key, shown)
         points.write(obj, shown)
         points.update(obj)
-        return
+    else:
+        _give_to_basis(obj)
+    see(mesh, reference(obj))
+
+
+def _give_to_basis(obj: bpy.types.Object) -> None:
+    """What the posed key adds goes into the Basis of relative keys. Raises Refusal, with nothing changed."""
+    keys = obj.data.shape_keys
     posed = shape_keys.posed_key(obj)
     if posed is None:
         return  # the Basis itself is active: it is the rest already
@@ -91,7 +118,6 @@ def set_to_current(obj: bpy.types.Object) -> None:
         raise Refusal(
             f"Shape key '{posed.name}' is relative to itself by others: make it relative to the Basis"
         )
-    keys = mesh.shape_keys
     shapes = {key.name: points.read_block(obj, key).astype(np.float64) for key in keys.key_blocks}
     under = shape_keys.under_posed_key(obj)
     own = shapes[posed.name] - shapes[under.name]
@@ -110,6 +136,24 @@ def _relative_chain(key: bpy.types.ShapeKey) -> list[bpy.types.ShapeKey]:
         chain.append(key)
         key = key.relative_key
     return chain
+
+
+def _put(mesh: bpy.types.Mesh, name: str, kind: str, field: str, values: Array32 | Indices | None) -> None:
+    found = _attribute(mesh, name, kind)
+    if values is not None:
+        found = found or _new_attribute(mesh, name, kind)
+        found.data.foreach_set(field, np.ascontiguousarray(values).ravel())
+    elif found is not None:
+        mesh.attributes.remove(found)
+
+
+def _vectors(mesh: bpy.types.Mesh, name: str) -> Array32 | None:
+    found = _attribute(mesh, name, "FLOAT_VECTOR")
+    if found is None:
+        return None
+    vectors = np.empty(len(mesh.vertices) * 3, np.float32)
+    found.data.foreach_get("vector", vectors)
+    return vectors.reshape(-1, 3)
 
 
 def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute | None:

@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import itertools
+import re
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
 
 import bpy
 import numpy as np
 
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Indices
 from ...model.plane.locate import MeshPoint
 from ...model.posing.pins import Holder, Pin
 from ...model.posing.posing import PinResult
@@ -19,6 +21,7 @@ from ..storage import migration
 from ..storage.vertex_groups import Members, members
 
 GROUP_NAME = "Pin"
+DEFAULT_NAME = re.compile(GROUP_NAME + r"(\.\d{3,})?")
 
 
 def sync(obj: bpy.types.Object) -> None:
@@ -45,11 +48,9 @@ def sync(obj: bpy.types.Object) -> None:
     for pin in settings.pins:
         group = followed(pin.group, pin.group_index)
         if group is not None and group.name != pin.group:
-            if pin.name == pin.group:
+            if pin.name == pin.group or DEFAULT_NAME.fullmatch(pin.name):
                 pin.name = group.name
-            held = pin.has_target, pin.angle
-            pin.group = group.name  # which lets go of its target, as another group would
-            pin.has_target, pin.angle = held
+            give_group(pin, group.name)
         index = -1 if group is None else group.index
         if pin.group_index != index:
             pin.group_index = index
@@ -165,24 +166,78 @@ def forget_targets(obj: bpy.types.Object) -> None:
 
 def add_at(obj: bpy.types.Object, drawing: CutoutObject, point: MeshPoint) -> bpy.types.PropertyGroup:
     """Add a point pin at a point of the mesh, with a vertex group of its up to three weights."""
-    group = obj.vertex_groups.new(name=GROUP_NAME)
     corners = drawing.vertex_indices[drawing.cutout.triangles[point.triangle]]
-    for vertex, weight in zip(corners.tolist(), point.weights.tolist(), strict=True):
-        if weight > 0.0:
-            group.add([vertex], weight, "REPLACE")
-    return _append(obj, group, "POINT", owns_group=True)
+    held = point.weights > 0.0
+    group = new_group(obj)
+    fill(group, corners[held], point.weights[held])
+    return _named(obj, append(obj, group, "POINT", owns_group=True))
 
 
 def add_on_vertices(obj: bpy.types.Object, vertices: list[int], kind: str) -> bpy.types.PropertyGroup:
     """Add a pin with a new vertex group of these mesh vertices."""
-    group = obj.vertex_groups.new(name=GROUP_NAME)
+    group = new_group(obj)
     group.add(vertices, 1.0, "REPLACE")
-    return _append(obj, group, kind, owns_group=True)
+    return _named(obj, append(obj, group, kind, owns_group=True))
 
 
 def add_on_group(obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str) -> bpy.types.PropertyGroup:
     """Add a pin on an existing vertex group."""
-    return _append(obj, group, kind, owns_group=False)
+    return append(obj, group, kind, owns_group=False)
+
+
+def append(
+    obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str, *, owns_group: bool
+) -> bpy.types.PropertyGroup:
+    """Add a pin of this name on a vertex group to the list."""
+    migration.migrate(obj)
+    rest_shape.ensure(obj)
+    settings = obj.planar
+    pin = settings.pins.add()
+    pin.name = pin.group = group.name
+    pin.kind, pin.owns_group, pin.group_index = kind, owns_group, group.index
+    settings.active_pin = len(settings.pins) - 1
+    settings.group_count = len(obj.vertex_groups)
+    return pin
+
+
+def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indices, weights: Array) -> None:
+    """Make a pin hold these mesh vertices, by a new group where the one it has is not its own alone."""
+    shared = [other for other in obj.planar.pins if other.group == pin.group]
+    group = obj.vertex_groups.get(pin.group)
+    if group is None or not pin.owns_group or len(shared) > 1:
+        group = new_group(obj)
+        give_group(pin, group.name)
+        pin.owns_group, pin.group_index = True, group.index
+        obj.planar.group_count = len(obj.vertex_groups)
+    else:
+        group.remove(range(len(obj.data.vertices)))
+    fill(group, vertices, weights)
+
+
+def give_group(pin: bpy.types.PropertyGroup, name: str) -> None:
+    """Let a pin go on as it is with what is the same vertices by another name."""
+    held = pin.has_target, pin.angle
+    pin.group = name  # which lets go of its target, as another group would
+    pin.has_target, pin.angle = held
+
+
+def new_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
+    """A vertex group for a pin, named as no other pin's of the file: a join makes one of equal ones."""
+    taken = {name for other in bpy.data.objects if has_pins(other) for name in groups_of(other)}
+    return obj.vertex_groups.new(name=free_name(GROUP_NAME, taken | set(obj.vertex_groups.keys())))
+
+
+def fill(group: bpy.types.VertexGroup, vertices: Indices, weights: Array) -> None:
+    """Give these mesh vertices their weights in a group."""
+    for vertex, weight in zip(vertices.tolist(), weights.tolist(), strict=True):
+        group.add([vertex], weight, "REPLACE")
+
+
+def free_name(name: str, taken: Container[str]) -> str:
+    """A name, with a number behind it as Blender has it where it is taken."""
+    base = re.sub(r"\.\d{3,}$", "", name)
+    numbers = itertools.chain([name], (f"{base}.{number:03d}" for number in itertools.count(1)))
+    return next(free for free in numbers if free not in taken)
 
 
 def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> None:
@@ -214,15 +269,7 @@ def remove(obj: bpy.types.Object, indices: Iterable[int]) -> None:
     sync(obj)
 
 
-def _append(
-    obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str, *, owns_group: bool
-) -> bpy.types.PropertyGroup:
-    migration.migrate(obj)
-    rest_shape.ensure(obj)
-    settings = obj.planar
-    pin = settings.pins.add()
-    pin.name = pin.group = group.name
-    pin.kind, pin.owns_group, pin.group_index = kind, owns_group, group.index
-    settings.active_pin = len(settings.pins) - 1
-    settings.group_count = len(obj.vertex_groups)
+def _named(obj: bpy.types.Object, pin: bpy.types.PropertyGroup) -> bpy.types.PropertyGroup:
+    """With the first name that is free in the list; poses are carried from drawing to drawing by it."""
+    pin.name = free_name(GROUP_NAME, {other.name for other in obj.planar.pins if other != pin})
     return pin

@@ -24,6 +24,9 @@ REST = "planar_rest"
 # Which mesh wrote a vertex's rest: 0 for vertices that an edit added with no rest of their own, another
 # number for those that came by joining, whose rest is still in the space of the object they came from.
 OWNER = "planar_rest_owner"
+# The shape in which the mesh, or its Basis, was last seen, see objects/mesh_edits.py. Where it is missing or
+# out of date, nothing is known of what was done to the mesh meanwhile, and all else is as it was.
+SEEN = "planar_seen"
 
 
 def refusal(obj: bpy.types.Object) -> str | None:

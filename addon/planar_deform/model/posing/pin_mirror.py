@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pose turned to the other side by its pins, for drawings that are not symmetric vertex by vertex."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ... import native
+from ..plane.cutout import Cutout
+from ..plane.frame import Array
+from ..plane.locate import nearest_point
+from .pins import Holder, Pin, rotation
+from .posing import RAMP_SAMPLES, PinResult, Posing, Sample
+from .side_names import flipped
+from .symmetry import Symmetry, nearest
+
+NEAR = 0.05  # of the diagonal: how far a pin, or the drawing, may be from where its partner is expected
+
+
+@dataclass(frozen=True)
+class _Handle:
+    """A pin, or a place of the drawing where there is none, and where the mirrored pose has it."""
+
+    pin: Pin
+    target: Array  # (2,)
+    angle: float
+
+
+class PinMirror(Posing):
+    """Takes each pin from rest to where its partner on the other side was, seen in the mirror.
+
+    Partners are pins whose names tell so, as Hand.L and Hand.R, else those that rest in each other's mirror
+    image. What a pin does that has no partner is done by the drawing where that would be. Where there is no
+    drawing, the pin does by itself what it did, mirrored. Displacements from rest are mirrored, not places:
+    the two sides need not be equal.
+
+    `pins` are all that can be used, by name, and `positions` n x 2 the pose. `axis` as in Symmetry.
+    """
+
+    def __init__(
+        self,
+        cutout: Cutout,
+        positions: Array,
+        pins: Sequence[tuple[str, Holder]],
+        axis: int,
+        make_poser: Callable[[Array], native.Poser],
+    ):
+        self._pins = [holder for _, holder in pins]
+        self._places = [holder.place(cutout.rest) for holder in self._pins]
+        partners = _by_name([name for name, _ in pins])
+        self._symmetry = _mirror(
+            cutout, axis, [(self._places[a], self._places[b]) for a, b in partners.items()]
+        )
+        self._add_by_place(partners, NEAR * cutout.diagonal)
+        count = sum(index < partner for index, partner in partners.items())
+        self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
+        self._handles: dict[int, _Handle] = {}
+        for index, holder in enumerate(self._pins):
+            if holder.pin.enabled:
+                self._hold(cutout, positions, index, partners)
+        if not self._handles:
+            raise ValueError("pins: none is enabled")
+        used = [handle.pin for handle in self._handles.values()]
+        moving = np.isin(cutout.parts, [cutout.parts[pin.vertices[0]] for pin in used])
+        start = np.where(moving[:, None], self._nearly(cutout), positions)
+        super().__init__(cutout, start, used, self._handles, lambda: make_poser(start))
+
+    def run(self) -> None:
+        """All the way, and until there is nothing left to do."""
+        for step in range(1, RAMP_SAMPLES + 1):
+            self.move(step / RAMP_SAMPLES, 0.0, 0.0)
+        self.settle()
+
+    def results(self) -> list[PinResult]:
+        """Of the pins that are on: those that nothing was asked of hold what there is."""
+        results = []
+        for holder in self._pins:
+            if holder.pin.enabled:
+                place = holder.place(self.positions)
+                handle = self._handles.get(holder.pin.key)
+                target = place if handle is None else handle.target
+                angle = holder.fitted_angle(self.positions) if handle is None else handle.angle
+                results.append(PinResult(holder.pin.key, holder.part, target, place, angle))
+        return results
+
+    def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
+        handle = self._handles[holder.pin.key]
+        place, turned = start
+        share = sample[0]
+        return place + share * (handle.target - place), turned + share * (handle.angle - turned)
+
+    def _add_by_place(self, partners: dict[int, int], near: float) -> None:
+        """Pair those without a partner that rest where another one's mirror image does, or their own."""
+        left = [index for index in range(len(self._pins)) if index not in partners]
+        gaps = np.full((len(left), len(left)), np.inf)
+        for row, index in enumerate(left):
+            image = self._symmetry.reflected(self._places[index])
+            for column, other in enumerate(left):
+                if self._pins[other].pin.kind == self._pins[index].pin.kind:
+                    gaps[row, column] = np.linalg.norm(self._places[other] - image)
+            gaps[row, row] /= 2.0  # what is off the mirror line is twice as far from its own image
+        for row, index in enumerate(left):
+            column = int(np.argmin(gaps[row]))
+            if gaps[row, column] <= near and np.argmin(gaps[column]) == row:
+                partners[index] = left[column]
+
+    def _hold(self, cutout: Cutout, positions: Array, index: int, partners: dict[int, int]) -> None:
+        """What a pin does, done by its partner."""
+        holder = self._pins[index]
+        place = holder.pin.target if holder.pin.target is not None else holder.place(positions)
+        angle = holder.pin.angle if holder.pin.target is not None else holder.fitted_angle(positions)
+        mirrored = self._symmetry.reflected(place) - self._symmetry.reflected(self._places[index])
+        partner = partners.get(index)
+        if partner is not None:
+            pin, rest = self._pins[partner].pin, self._places[partner]
+        else:
+            found = self._opposite(cutout, index)
+            pin, rest = (holder.pin, self._places[index]) if found is None else found
+        pin = replace(pin, enabled=True, target=None, angle=0.0)
+        self._handles[pin.key] = _Handle(pin, rest + mirrored, -angle)
+
+    def _nearly(self, cutout: Cutout) -> Array:
+        """The rest shape as one piece where the handles are to be: the way from there is short."""
+        handles = self._handles.values()
+        rest = np.array([Holder(handle.pin, cutout).place(cutout.rest) for handle in handles])
+        targets = np.array([handle.target for handle in handles])
+        arms, goals = ((places - places.mean(axis=0)) @ [1.0, 1j] for places in (rest, targets))
+        turn = float(np.angle((np.conj(arms) * goals).sum()))
+        placed: Array = targets.mean(axis=0) + (cutout.rest - rest.mean(axis=0)) @ rotation(turn).T
+        return placed
+
+    def _opposite(self, cutout: Cutout, index: int) -> tuple[Pin, Array] | None:
+        """The drawing where the mirror image of a pin rests, as a pin; None where there is none."""
+        holder = self._pins[index]
+        image = self._symmetry.reflected(self._places[index])
+        every = np.arange(len(cutout.triangles), dtype=np.int32)
+        found = nearest_point(cutout.rest, cutout.triangles, image, every)
+        if found is None or found.distance > NEAR * cutout.diagonal:
+            return None
+        if holder.pin.kind == "PATCH":
+            images = self._symmetry.reflected(cutout.rest[holder.pin.vertices])
+            vertices = np.unique(nearest(cutout.rest, images)[0])
+            pin = replace(holder.pin, vertices=vertices, weights=np.ones(len(vertices)))
+        else:
+            pin = replace(holder.pin, vertices=cutout.triangles[found.triangle], weights=found.weights)
+        pin = replace(pin, key=-1 - index)  # no pin of the list
+        return pin, Holder(pin, cutout).place(cutout.rest)
+
+
+def _by_name(names: Sequence[str]) -> dict[int, int]:
+    """The partners of those whose names tell, by their places in the list."""
+    partners = {}
+    for index, name in enumerate(names):
+        other = flipped(name)
+        if other != name and names.count(name) == names.count(other) == 1:
+            partners[index] = names.index(other)
+    return partners
+
+
+def _mirror(cutout: Cutout, axis: int, pairs: Sequence[tuple[Array, Array]]) -> Symmetry:
+    """The mirror in the middle of the pairs of places, else of the drawing."""
+    rest = cutout.rest[:, axis]
+    line = float(rest.min() + rest.max()) / 2.0
+    if pairs:
+        line = float(np.mean([(first[axis] + second[axis]) / 2.0 for first, second in pairs]))
+    return Symmetry(axis, line, np.arange(len(rest), dtype=np.int32))

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins that come with a drawing that is joined to another.
+
+A join keeps the vertex groups, and makes one of those of the same name; the list of pins goes with its
+object. So the lists are remembered, by the owner of the mesh (storage/migration.py), as long as Blender runs.
+Vertices with that owner in another mesh tell of a join, and where its pins are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..objects import mesh_edits
+from ..objects.mesh_edits import Joined
+from ..storage.vertex_groups import Members, members
+from . import pin_list
+
+_NOBODY = np.empty(0, np.int32), np.empty(0)
+# What a pin keeps, beside its group.
+_KEPT = ("name", "kind", "enabled", "has_target", "target", "reached", "angle")
+
+
+@dataclass(frozen=True)
+class _Pin:
+    """A pin as it was last seen."""
+
+    group: str
+    owned: bool
+    weight: float  # with that of all pins of its object
+    settings: dict[str, Any]
+
+
+_lists: dict[int, list[_Pin]] = {}  # by owner
+
+
+def remember(obj: bpy.types.Object) -> None:
+    """Keep the pins of an object, for when it is joined to another."""
+    owner = mesh_edits.owner_of(obj.data)
+    if owner:
+        _lists[owner] = [_remembered(pin, obj.planar.pin_weight) for pin in obj.planar.pins]
+
+
+def take_in(obj: bpy.types.Object, joined: Mapping[int, Joined]) -> None:
+    """Add the pins of what has been joined to an object, each on its own vertices."""
+    pins = [(part, pin) for owner, part in joined.items() for pin in _lists.get(owner, [])]
+    groups = members(obj, pin_list.groups_of(obj) | {pin.group for _, pin in pins})
+    own = np.ones(len(obj.data.vertices), bool)
+    for part in joined.values():
+        own &= ~part.rows
+    for index in reversed(range(len(obj.planar.pins))):
+        pin = obj.planar.pins[index]
+        vertices, weights = groups.get(pin.group, _NOBODY)
+        mine = own[vertices]
+        if len(mine) and not mine.any():  # it had nothing to hold, as what is separated leaves it
+            obj.planar.pins.remove(index)
+        elif not mine.all():
+            if not pin.owns_group:
+                pin.group_before = pin.group
+            pin_list.rebind(obj, pin, vertices[mine], weights[mine])
+    used = pin_list.groups_of(obj)
+    for owner, part in joined.items():
+        for pin in _lists.get(owner, []):
+            vertices, weights = groups.get(pin.group, _NOBODY)
+            mine = part.rows[vertices]
+            if mine.any():
+                alone = bool(mine.all()) and pin.group not in used
+                _add(obj, pin, part, owner, None if alone else (vertices[mine], weights[mine]))
+    held = pin_list.groups_of(obj)
+    for name in {pin.group for _, pin in pins if pin.owned} - held:
+        group = obj.vertex_groups.get(name)
+        if group is not None:  # several have become one, and each has another one by now
+            obj.vertex_groups.remove(group)
+    pin_list.sync(obj)
+
+
+def undone(obj: bpy.types.Object) -> None:
+    """Blender may undo a join of the mesh alone, as nothing else of the object was changed by it."""
+    groups = obj.vertex_groups
+    for pin in obj.planar.pins:
+        if pin.group_before and pin.group not in groups and pin.group_before in groups:
+            pin_list.give_group(pin, pin.group_before)
+            pin.group_before = ""
+    gone = [
+        index
+        for index, pin in enumerate(obj.planar.pins)
+        if pin.came_from and pin.group not in groups and mesh_edits.is_elsewhere(pin.came_from, obj.data)
+    ]
+    if gone:
+        pin_list.remove(obj, gone)
+
+
+def forget() -> None:
+    """Of another file nothing is known."""
+    _lists.clear()
+
+
+def _remembered(pin: bpy.types.PropertyGroup, weight: float) -> _Pin:
+    kept = {name: getattr(pin, name) for name in _KEPT}
+    kept["target"], kept["reached"] = tuple(pin.target), tuple(pin.reached)
+    return _Pin(pin.group, pin.owns_group, pin.weight * weight, kept)
+
+
+def _add(
+    obj: bpy.types.Object,
+    pin: _Pin,
+    part: Joined,
+    owner: int,
+    of: Members | None,
+) -> None:
+    """Add a pin that was remembered, on its group or, `of` these vertices, on a new one."""
+    group = obj.vertex_groups[pin.group] if of is None else pin_list.new_group(obj)
+    if of is not None:
+        pin_list.fill(group, *of)
+    active = obj.planar.active_pin
+    added = pin_list.append(obj, group, pin.settings["kind"], owns_group=pin.owned or of is not None)
+    if len(obj.planar.pins) > 1:
+        obj.planar.active_pin = active
+    names = {other.name for other in obj.planar.pins if other != added}
+    for name, value in pin.settings.items():
+        setattr(added, name, value)
+    added.name = pin_list.free_name(pin.settings["name"], names)
+    added.weight = pin.weight / obj.planar.pin_weight
+    added.came_from = owner
+    if part.map is None:
+        added.has_target = False
+        return
+    added.target, added.reached = part.map.of(np.array([added.target, added.reached]))
+    if part.turned_over:
+        added.angle = -added.angle

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What hands do to the mesh of a posed drawing: apply its scale, scale and subdivide it, join layers."""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from cutouts import activate, active, pin, shape, sheet
+from harness import Window, addon
+
+PLACES = (-1.2, 0.0, 0.0), (1.2, 0.0, 0.0), (0.1, 0.0, 0.5)
+
+
+def posed(window: Window) -> Iterator[None]:
+    """A sheet of another size than 1, one of whose pins has been dragged up."""
+    sheet()
+    active().scale = (0.8, 0.8, 0.8)
+    pin(*PLACES)
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.look()
+    yield from window.use_tool()
+    yield from window.drag(window.pixel(PLACES[1]), window.pixel((0.9, 0.0, 0.9)))
+
+
+def in_world(obj: bpy.types.Object) -> np.ndarray:
+    matrix = np.array(obj.matrix_world)
+    return shape(obj) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def area() -> float:
+    bpy.context.view_layer.update()
+    return float(addon("scene.view.snapshot").of_active(bpy.context).distortion.area)
+
+
+def pins_seen() -> np.ndarray:
+    return np.array([seen.place for seen in addon("scene.view.snapshot").of_active(bpy.context).pins])
+
+
+def apply_scale(window: Window) -> Iterator[None]:
+    yield from window.hover(window.pixel((0.0, 0.0, -1.5)))
+    yield from window.key("A", ctrl=True)
+    yield from window.wait(0.3)
+    yield from window.key("S")
+    yield from window.wait(0.3)
+
+
+def test_a_scale_that_is_applied_leaves_the_pose_what_it_is(window: Window) -> Iterator[None]:
+    yield from posed(window)
+    before, distorted, pins = in_world(active()), area(), pins_seen()
+    yield from apply_scale(window)
+    assert tuple(active().scale) == (1.0, 1.0, 1.0)
+    assert np.abs(in_world(active()) - before).max() < 1e-5
+    assert abs(area() - distorted) < 1e-4
+    assert np.abs(pins_seen() - pins).max() < 1e-4
+    yield from window.drag(window.pixel(pins[0]), window.pixel(pins[0] - (0.05, 0.0, 0.0)))
+    assert np.abs(in_world(active()) - before).max() < 0.3, "nothing is torn"
+    yield from window.undo()
+    assert np.abs(in_world(active()) - before).max() < 1e-5
+    yield from window.undo()
+    assert abs(active().scale.x - 0.8) < 1e-6
+    assert np.abs(in_world(active()) - before).max() < 1e-5
+    assert abs(area() - distorted) < 1e-4
+    yield from window.redo()
+    assert tuple(active().scale) == (1.0, 1.0, 1.0)
+    assert abs(area() - distorted) < 1e-4
+    yield from window.drag(window.pixel(pins[0]), window.pixel(pins[0] - (0.05, 0.0, 0.0)))
+    assert np.abs(in_world(active()) - before).max() < 0.3
+
+
+def test_all_scaled_and_subdivided_in_edit_mode(window: Window) -> Iterator[None]:
+    yield from posed(window)
+    distorted, pins = area(), pins_seen()
+    yield from window.hover(window.pixel((0.0, 0.0, -1.5)))
+    yield from window.key("TAB")
+    yield from window.wait(0.2)
+    yield from window.key("A")
+    with window.context():
+        assert bpy.ops.mesh.subdivide("INVOKE_DEFAULT") == {"FINISHED"}
+    yield
+    yield from window.key("S")
+    yield from window.type("1.2")
+    yield from window.key("RET")
+    yield from window.key("TAB")
+    yield from window.wait(0.2)
+    assert active().mode == "OBJECT"
+    assert len(active().data.vertices) == 33 * 17
+    assert abs(area() - distorted) < 1e-3
+    grown = pins_seen()
+    sides = [np.linalg.norm(places[0] - places[2]) for places in (pins, grown)]
+    assert abs(sides[1] / sides[0] - 1.2) < 0.01
+    before = in_world(active())
+    yield from window.drag(window.pixel(grown[0]), window.pixel(grown[0] - (0.05, 0.0, 0.0)))
+    assert np.abs(in_world(active()) - before).max() < 0.3
+
+
+def test_layers_that_are_joined_keep_their_pins(window: Window) -> Iterator[None]:
+    yield from posed(window)
+    first, pins = active(), pins_seen()
+    with window.context():
+        bpy.ops.object.duplicate()
+    second = active()
+    second.location = (0.0, -0.1, -1.6)
+    bpy.ops.ed.undo_push(message="Moved")
+    activate(first)
+    second.select_set(True)
+    yield from window.wait(0.2)
+    yield from window.hover(window.pixel((2.5, 0.0, 1.5)))
+    yield from window.key("J", ctrl=True)
+    yield from window.wait(0.3)
+    assert len(active().planar.pins) == 6, "they are in the list by themselves"
+    seen = pins_seen()
+    assert np.abs(seen[:3] - pins).max() < 1e-4
+    assert np.abs(seen[3:] - pins - (0.0, -0.1, -1.6)).max() < 1e-4
+    window.picture("mesh_edits_joined")
+    before = in_world(active())
+    yield from window.drag(window.pixel(seen[4]), window.pixel(seen[4] + (0.1, 0.0, 0.1)))
+    moved = np.abs(in_world(active()) - before).max(axis=1)
+    assert moved[:153].max() < 1e-5, "the other layer stays"
+    assert 0.05 < moved[153:].max() < 0.5
+    yield from window.undo()
+    yield from window.undo()
+    assert len(bpy.data.objects[first.name].planar.pins) == 3
+    assert np.abs(pins_seen() - pins).max() < 1e-4
+    yield from window.redo()
+    assert len(active().planar.pins) == 6
+    assert np.abs(pins_seen()[3:] - seen[3:]).max() < 1e-4
