@@ -18,6 +18,7 @@ from bpy.props import (
 )
 
 from ..errors import Refusal
+from ..model.timing.ease import EASES
 from .objects.any_object import shape_refusal
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
@@ -205,6 +206,13 @@ class PlanarSettings(bpy.types.PropertyGroup):
     smooth: BoolProperty(
         name="Smooth",
         description="Pass through the poses without a change of speed or direction there",
+        options=set(),
+        update=_number,
+    )
+    ease: EnumProperty(
+        name="New Keys",
+        description="Ease of the keys that new poses get, and not of those there are",
+        items=EASES,
         options=set(),
         update=_number,
     )

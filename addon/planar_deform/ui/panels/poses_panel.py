@@ -114,6 +114,8 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
         step = pose_list.step_of(context.object)
         for frames, name in ((1, "On Ones"), (2, "On Twos"), (3, "On Threes")):
             row.operator("planar.step_poses", text=name, depress=step == frames).step = frames
+        row.separator()
+        row.prop(settings, "ease", text="")
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column()
