@@ -48,7 +48,6 @@ def test_undo_and_redo():
     history = History()
     history.did(bpy.ops.planar.key_pose())
     bpy.context.scene.frame_set(25)
-    # Blender itself loses an unkeyed value in a redo across a frame change.
     history.did({"FINISHED"})
     history.did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
     history.did(bpy.ops.planar.key_pose())
@@ -61,6 +60,25 @@ def test_undo_and_redo():
     history.did(bpy.ops.planar.clear_poses())
     history.undo_all()
     history.redo_all()
+
+
+def test_one_undo_of_a_frame_change_brings_an_unkeyed_pose_back():
+    obj, _ = keyed_bar()
+    go_to(13)
+    bpy.ops.ed.undo_push(message="Frame")
+    assert bpy.ops.planar.drag_pins(offset=(0.0, 0.3)) == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Drag")
+    shape = evaluated(obj)
+    for frame in (17, 25):
+        go_to(frame)
+        bpy.ops.ed.undo_push(message="Frame")
+    for _ in range(2):
+        bpy.ops.ed.undo()
+    assert bpy.context.scene.frame_current == 13
+    obj = bpy.data.objects["Cutout"]
+    assert same(evaluated(obj), shape)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    assert same(shown_at(obj, 13), shape)
 
 
 @pytest.mark.parametrize("copied_actions", [True, False])
