@@ -216,6 +216,21 @@ class PlanarSettings(bpy.types.PropertyGroup):
         options=set(),
         update=_number,
     )
+    record_loop: BoolProperty(
+        name="Loop",
+        description=(
+            "Begin again at the first frame of the recording when it comes to the end of the range: what is "
+            "recorded then replaces what was before. Otherwise the recording ends there"
+        ),
+        options=set(),
+        update=_number,
+    )
+    record_overwrite: BoolProperty(
+        name="Overwrite",
+        description="Pins that are not dragged stay where they are, instead of moving on as they did",
+        options=set(),
+        update=_number,
+    )
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
     # The curve's values before in-betweens were generated, see model/timing/played_curve.py.

@@ -81,6 +81,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("planar.key_pose", icon="KEY_HLT")
         row.operator("planar.record_pins", icon="REC")
+        row.popover("PLANAR_PT_record", text="", icon="DOWNARROW_HLT")
         row = layout.row(align=True)
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
         row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
@@ -95,6 +96,17 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         note = _note(obj) or _stale_note(obj, stale)
         if note is not None:
             lines(layout, note, "INFO", context)
+
+
+class PLANAR_PT_record(bpy.types.Panel):
+    bl_label = "Record"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"  # where Blender's own popovers are
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.prop(context.object.planar, "record_loop")
+        column.prop(context.object.planar, "record_overwrite")
 
 
 class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
@@ -151,4 +163,4 @@ def _stale_note(obj: bpy.types.Object, stale: list[tuple[int, int]]) -> str | No
     return f"Out of date: {', '.join(ways)}{more}. Generate In-Betweens fills them anew"
 
 
-CLASSES = (PLANAR_UL_poses, PLANAR_MT_pose, PLANAR_PT_poses, PLANAR_PT_inbetweens)
+CLASSES = (PLANAR_UL_poses, PLANAR_MT_pose, PLANAR_PT_record, PLANAR_PT_poses, PLANAR_PT_inbetweens)
