@@ -68,8 +68,8 @@ class Posing:
             raise ValueError("pins: none is enabled")
         self._moving = frozenset(moving)
         self._starts = self._begun = [_start(holder, positions) for holder in self._holders]
-        # The shape (n x 2) that has the pins which do not move in their places at the sample of a number; None:
-        # they stay. Asked wherever it is solved, which may be in another thread.
+        # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
+        # None: they stay. Asked wherever it is solved, which may be in another thread.
         self.played: Callable[[int], Array | None] | None = None
         if pivot is None:
             movers = [

@@ -8,7 +8,7 @@ import bpy
 from ...model.plane.frame import Array32
 from ..storage import points
 from . import pose_state
-from .pose_blocks import HOLD, SCRATCH, add, block_at, played, shown_curve, take_out
+from .pose_blocks import HOLD, SCRATCH, add, block_at, played, played_value, take_out
 
 
 def show_unkeyed(obj: bpy.types.Object, coordinates: Array32) -> None:
@@ -34,9 +34,7 @@ def drop_scratch(obj: bpy.types.Object) -> None:
 def show_frame(obj: bpy.types.Object) -> None:
     """Show what the curve says for the present frame."""
     keys = obj.data.shape_keys
-    curve = shown_curve(keys)
-    if curve is not None:
-        keys.eval_time = curve.evaluate(bpy.context.scene.frame_current_final)
+    keys.eval_time = played_value(keys, bpy.context.scene.frame_current_final)
     points.update(obj)
 
 
