@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -81,12 +79,27 @@ def _frame_of(pose: PlanarPose) -> float:
 
 
 def _retime(pose: PlanarPose, frame: float) -> None:
-    """What cannot be done is not, as with any number that has its bounds."""
     obj = pose.id_data
-    if shape_refusal(obj) is None and pose_state.is_ours(obj):
+    try:
+        reason = shape_refusal(obj) or pose_state.absence(obj)
+        if reason is not None:
+            raise Refusal(reason)
         index = next(index for index, other in enumerate(obj.planar.poses) if other.at == pose.at)
-        with contextlib.suppress(Refusal):
-            pose_list.retime(obj, index, frame)
+        pose_list.retime(obj, index, frame)
+    except Refusal as refusal:
+        _tell(str(refusal))
+
+
+def _tell(reason: str) -> None:
+    """Of a value that was typed: there is no operator that could report it."""
+    if bpy.app.background:
+        print(f"Planar Deform: {reason}")
+        return
+
+    def draw(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+        menu.layout.label(text=reason)
+
+    bpy.context.window_manager.popup_menu(draw, title="Pose Not Moved", icon="ERROR")
 
 
 class PlanarPose(bpy.types.PropertyGroup):

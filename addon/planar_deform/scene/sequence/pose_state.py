@@ -48,6 +48,8 @@ def refusal(obj: bpy.types.Object) -> str | None:
 def _own_blocks_refusal(keys: bpy.types.Key) -> str | None:
     if keys.use_relative:
         return "Keyed poses are absolute shape keys: turn off Relative in the Shape Keys panel"
+    if block_at(keys, 0.0) is None:
+        return "The Basis of the poses is gone, which is the rest shape: undo deleting that shape key"
     out_of_order = np.flatnonzero(np.diff(eval_times(keys)) < SAME_EVAL_TIME)
     if len(out_of_order):
         name = keys.key_blocks[int(out_of_order[0]) + 1].name

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A pose sequence whose curve has been pushed down to the Nonlinear Animation editor: read, not changed.
 
-Each strip shows its action at other frames: from `frame_start` on, stretched by `scale`. What tracks blend and
-repeat is not told here; the strips below another one are.
+The strip shows its action at other frames: from `frame_start` on, stretched by `scale`. What strips blend and
+repeat is not told here.
 """
 
 from __future__ import annotations
