@@ -19,13 +19,25 @@ def curves_of(animation: bpy.types.AnimData | None) -> bpy.types.bpy_prop_collec
     """
     if animation is None or animation.action is None:
         return None
-    if not hasattr(animation, "action_slot"):
-        return animation.action.fcurves
-    if animation.action_slot is None:
+    return _curves_in(animation)
+
+
+def curves_of_strip(strip: bpy.types.NlaStrip) -> bpy.types.bpy_prop_collection | None:
+    """The F-curves that a strip of the Nonlinear Animation editor plays."""
+    return None if strip.action is None else _curves_in(strip)
+
+
+def _curves_in(
+    user: bpy.types.AnimData | bpy.types.NlaStrip,
+) -> bpy.types.bpy_prop_collection | None:
+    """Those of the slot that something uses of its action."""
+    if not hasattr(user, "action_slot"):
+        return user.action.fcurves
+    if user.action_slot is None:
         return None
-    for layer in animation.action.layers:
+    for layer in user.action.layers:
         for strip in layer.strips:
-            bag = strip.channelbag(animation.action_slot)
+            bag = strip.channelbag(user.action_slot)
             if bag is not None:
                 return bag.fcurves
     return None

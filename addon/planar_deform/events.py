@@ -17,6 +17,7 @@ from .operators.modal import running
 from .scene import follow
 from .scene.objects import triangulation
 from .scene.pins import following
+from .scene.sequence import pose_showing
 from .scene.storage import changes, digests, migration
 from .scene.view import coarseness, onion, snapshot
 
@@ -28,6 +29,7 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
     Called for every movement of anything, so nothing is asked of an object that has only moved.
     """
+    pose_showing.keep_brought_back()
     changed = []  # objects of which more than the transform may be another one
     for update in depsgraph.updates:
         shape = update.is_updated_geometry
@@ -53,6 +55,7 @@ def _before_undo(*_: object) -> None:
 
 def _after_undo(*_: object) -> None:
     changes.tell_all()
+    pose_showing.undone()
     stiffness.undone()
 
 

@@ -22,3 +22,5 @@ def _add_on():
 @pytest.fixture(autouse=True)
 def _fresh_file(_add_on):
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    # Tests tell what a frame shows by its share of the way; those of ease choose their own.
+    bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"

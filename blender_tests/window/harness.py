@@ -259,6 +259,7 @@ def set_preferences() -> None:
     preferences.view.show_splash = False
     preferences.view.smooth_view = 0
     preferences.use_preferences_save = False
+    preferences.edit.keyframe_new_interpolation_type = "LINEAR"  # a frame tells its share of the way
     preferences.system.viewport_aa = "OFF"  # most of a redraw's time without a graphics card
 
 

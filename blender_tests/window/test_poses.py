@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from cutouts import active, moved
 from harness import Window, addon
-from poses import at, key_pose, pin_place, pull, shown, three_poses
+from poses import at, go_to, key_pose, pin_place, pull, shown, three_poses
 
 
 def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Window) -> Iterator[None]:
@@ -113,4 +113,29 @@ def test_auto_key_keys_what_was_dragged_in_one_step(window: Window) -> Iterator[
     yield from window.undo()
     assert len(active().planar.poses) == 3
     assert np.array_equal(at(13), between)
+    yield
+
+
+def test_one_undo_after_a_frame_change_brings_an_unkeyed_pose_back(window: Window) -> Iterator[None]:
+    yield from three_poses(window)
+    yield from go_to(13)
+    yield from pull(window, 0.0, 0.7)
+    unkeyed = shown()
+    for _ in range(3):
+        yield from window.key("RIGHT_ARROW")
+    yield
+    assert bpy.context.scene.frame_current == 16
+    assert not np.array_equal(shown(), unkeyed)
+    yield from window.undo()
+    assert bpy.context.scene.frame_current == 13
+    assert np.array_equal(shown(), unkeyed)
+    assert addon("scene.sequence.pose_state").unkeyed(active())
+    yield from window.wait(0.3)
+    window.picture("brought_back")
+    assert np.array_equal(shown(), unkeyed), "nor does a redraw take it away"
+    yield from window.undo()
+    yield from window.redo()
+    assert np.array_equal(shown(), unkeyed)
+    yield from key_pose(window)
+    assert np.array_equal(at(13), unkeyed)
     yield

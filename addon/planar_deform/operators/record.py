@@ -12,7 +12,8 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from ..errors import Refusal
-from ..model.input.recording import Poses, Recording, smoothed
+from ..model.input.recording import Layer, Poses, Recording, smoothed
+from ..model.plane.frame import Array
 from ..model.posing.posing import Sample, Solved
 from ..scene.objects.any_object import key_poses
 from ..scene.objects.cutout_object import begin
@@ -81,6 +82,11 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         min=0.0,
         soft_max=10.0,
     )
+    overwrite: BoolProperty(
+        name="Overwrite",
+        description="Pins that are not dragged stay where they are, instead of moving on as they did",
+        options={"SKIP_SAVE"},
+    )
     pin: IntProperty(default=-1, min=-1, options=HIDDEN)  # as in planar.drag_pins
     extend: BoolProperty(options=HIDDEN)
     path: StringProperty(name="Path", description=f"{PATH}; a sample for each frame", options=HIDDEN)
@@ -104,6 +110,9 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             poses = self._poses_of(list(self._recorded) or unpack_path(self.path))
             posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
             try:
+                layer = self._layer(context, posing)
+                if layer is not None:
+                    layer.follow(poses)
                 posing.solve(poses.samples, poses.seen)
                 self._keep(context, posing, poses)
             except Exception:
@@ -179,8 +188,9 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             bpy.ops.screen.animation_cancel(restore_frame=False)
         self._session = _Take(context, posing)
         self._waiting = None
-        self._recording = Recording()
         self.frame = self._session.frame
+        self._played = self._layer(context, posing)
+        self._recording = Recording(_frames_left(context.scene), loop=context.object.planar.record_loop)
         self._fps: float = context.scene.render.fps / context.scene.render.fps_base
         self._began = time.perf_counter()
 
@@ -195,6 +205,8 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             return self._end()
         if event.type == "TIMER":
             self._play(context)
+            if self._recording.over(self._elapsed()):
+                return self._end()
         if event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}
         drag = self._drag.held(shift=event.shift, ctrl=event.ctrl)
@@ -216,23 +228,30 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     def _play(self, context: bpy.types.Context) -> None:
         """Keep the timeline in step with the clock; frames for which there is no time are left out."""
-        frame = self.frame + int(self._elapsed())
+        passed = self._recording.frame_at(self._elapsed())
+        frame = self.frame + passed
         if frame != context.scene.frame_current:
             self._recording.add(self._elapsed(), self._drag.sample)
             context.scene.frame_set(frame)
+            if self._played is not None:
+                self._played.show(passed)
+                if not self._session.untouched:
+                    self._session.ask(self._drag.sample)
             self._session.show(again=True)  # the new frame may have brought a keyed pose
             if context.area is not None:
                 context.area.header_text_set(f"Recording: Frame {frame}")
 
     def _end(self) -> set[str]:
         """The motion is complete: solve it again."""
-        last = int(self._elapsed())
-        self._recording.add(self._elapsed(), self._drag.sample)
-        if last < 1 or self._session.untouched:
+        elapsed = self._elapsed()
+        self._recording.add(elapsed, self._drag.sample)
+        if elapsed < 1.0 or self._session.untouched:
             self.report({"INFO"}, "Nothing is recorded: keep the button pressed while the timeline plays")
             return self.stop()
-        self._recorded = self._recording.by_frame(last)
+        self._recorded = self._recording.by_frame(elapsed)
         self._poses = poses = self._poses_of(self._recorded)
+        if self._played is not None:
+            self._played.follow(poses)
         self._session.retrace(poses.samples, poses.seen)
         return {"RUNNING_MODAL"}
 
@@ -251,6 +270,25 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if not path:
             raise Refusal("There is no recorded path: start Record over the drawing and drag a pin")
         return Poses(smoothed(path, self.smoothing), self.frame_step)
+
+    def _layer(self, context: bpy.types.Context, posing: ObjectPosing) -> Layer | None:
+        """How the pins that are not dragged move, which the posing is told; None where they stay."""
+        obj = context.object
+        if not self.properties.is_property_set("overwrite"):
+            self.overwrite = obj.planar.record_overwrite
+        if self.overwrite or not pose_state.is_ours(obj):
+            return None
+
+        def shape_of(frame: int) -> Array:
+            drawing = posing.drawing
+            if frame == 0:
+                return drawing.positions
+            return drawing.flattened(pose_state.shape_at(drawing.resolve(), self.frame + frame))
+
+        layer = Layer(shape_of)
+        layer.show(0)
+        posing.model.played = layer
+        return layer
 
     def _keep(self, context: bpy.types.Context, posing: ObjectPosing, poses: Poses) -> None:
         """Key the poses; the last one is shown, and the pins hold it."""
@@ -276,6 +314,13 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         column.use_property_split = True
         column.prop(self, "frame_step")
         column.prop(self, "smoothing")
+        column.prop(self, "overwrite")
+
+
+def _frames_left(scene: bpy.types.Scene) -> int | None:
+    """How many frames there are from the current one to the end of the range; None at and beyond that."""
+    end = scene.frame_preview_end if scene.use_preview_range else scene.frame_end
+    return end - scene.frame_current + 1 if scene.frame_current < end else None
 
 
 def _region_under(area: bpy.types.Area | None, event: bpy.types.Event) -> int | None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from functools import partial
 
 import bpy
@@ -20,6 +19,7 @@ from bpy.props import (
 )
 
 from ..errors import Refusal, try_all
+from ..model.timing.ease import EASES
 from .objects.any_object import shape_refusal
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
@@ -107,12 +107,27 @@ def _frame_of(pose: PlanarPose) -> float:
 
 
 def _retime(pose: PlanarPose, frame: float) -> None:
-    """What cannot be done is not, as with any number that has its bounds."""
     obj = pose.id_data
-    if shape_refusal(obj) is None and pose_state.is_ours(obj):
+    try:
+        reason = shape_refusal(obj) or pose_state.absence(obj)
+        if reason is not None:
+            raise Refusal(reason)
         index = next(index for index, other in enumerate(obj.planar.poses) if other.at == pose.at)
-        with contextlib.suppress(Refusal):
-            pose_list.retime(obj, index, frame)
+        pose_list.retime(obj, index, frame)
+    except Refusal as refusal:
+        _tell(str(refusal))
+
+
+def _tell(reason: str) -> None:
+    """Of a value that was typed: there is no operator that could report it."""
+    if bpy.app.background:
+        print(f"Planar Deform: {reason}")
+        return
+
+    def draw(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+        menu.layout.label(text=reason)
+
+    bpy.context.window_manager.popup_menu(draw, title="Pose Not Moved", icon="ERROR")
 
 
 class PlanarPose(bpy.types.PropertyGroup):
@@ -262,6 +277,28 @@ class PlanarSettings(bpy.types.PropertyGroup):
     smooth: BoolProperty(
         name="Smooth",
         description="Pass through the poses without a change of speed or direction there",
+        options=NOT_ANIMATED,
+        update=_number,
+    )
+    ease: EnumProperty(
+        name="New Keys",
+        description="Ease of the keys that new poses get, and not of those there are",
+        items=EASES,
+        options=NOT_ANIMATED,
+        update=_number,
+    )
+    record_loop: BoolProperty(
+        name="Loop",
+        description=(
+            "Begin again at the first frame of the recording when it comes to the end of the range: what is "
+            "recorded then replaces what was before. Otherwise the recording ends there"
+        ),
+        options=NOT_ANIMATED,
+        update=_number,
+    )
+    record_overwrite: BoolProperty(
+        name="Overwrite",
+        description="Pins that are not dragged stay where they are, instead of moving on as they did",
         options=NOT_ANIMATED,
         update=_number,
     )

@@ -144,3 +144,52 @@ def test_a_refusal_leaves_frame_and_mesh(monkeypatch):
     assert bpy.context.scene.frame_current == 7
     assert obj.data.shape_keys is None
     assert not obj.planar.pins[1].has_target
+
+
+def left_end(obj):
+    return evaluated(obj)[26]
+
+
+def layered(**options):
+    """The right end recorded, then the left one over it from frame 5 on; where both are in each frame."""
+    obj = bar()
+    add_end_pins(obj)
+    bpy.context.scene.frame_set(1)
+    assert record(wave(), smoothing=0.0) == {"FINISHED"}
+    first = {}
+    for frame in range(1, 22):
+        bpy.context.scene.frame_set(frame)
+        first[frame] = right_end(obj)
+    bpy.context.scene.frame_set(5)
+    for index, pin in enumerate(obj.planar.pins):
+        pin.select = index == 0
+    assert record(-wave(10), smoothing=0.0, **options) == {"FINISHED"}
+    return obj, first
+
+
+@pytest.mark.parametrize("step", [1, 3])
+def test_recordings_add_up(step):
+    obj, first = layered(frame_step=step)
+    path = -wave(10)
+    for frame in (*range(5, 15, step), 15):
+        bpy.context.scene.frame_set(frame)
+        assert right_end(obj) == pytest.approx(first[frame], abs=5e-3)
+        assert left_end(obj)[:2] == pytest.approx(np.array([0.0, 0.5]) + path[frame - 5, :2], abs=5e-3)
+    bpy.context.scene.frame_set(18)
+    assert right_end(obj) == pytest.approx(first[18], abs=5e-3)
+
+
+def test_one_that_overwrites_leaves_the_other_pins_where_they_are():
+    obj, first = layered(overwrite=True)
+    for frame in (5, 10, 15):
+        bpy.context.scene.frame_set(frame)
+        assert right_end(obj) == pytest.approx(first[5], abs=5e-3)
+
+
+def test_layers_from_a_frame_that_is_shown_unkeyed_begin_there():
+    obj, _ = layered()
+    bpy.context.scene.frame_set(3)
+    obj.planar.pins[0].select, obj.planar.pins[1].select = False, True
+    assert bpy.ops.planar.drag_pins(offset=(0.0, 0.2)) == {"FINISHED"}
+    assert record(np.zeros((6, 3)), smoothing=0.0) == {"FINISHED"}
+    assert keyed_frames(obj) == list(range(1, 22))

@@ -266,3 +266,30 @@ def test_what_the_list_shows_cannot_be_animated():
     pose = obj.planar.poses[1]
     for owner, name in ((pose, "frame"), (pose, "turns"), (obj.planar, "smooth")):
         assert not owner.bl_rna.properties[name].is_animatable
+
+
+def test_a_frame_typed_past_another_pose_moves_no_pose_in_memory():
+    obj, poses = bent_bar()
+    generate(obj)
+    obj.planar.poses[1].turns = 1
+    listed = list(obj.planar.poses)
+    places = [pose.as_pointer() for pose in listed]
+    listed[2].frame = 13
+    assert times(obj) == [1, 13, 25]
+    assert [pose.as_pointer() for pose in obj.planar.poses] == places
+    assert [pose.frame for pose in listed] == [1, 13, 25]  # Blender's own pointers are as good as these
+    assert [pose.turns for pose in listed] == [0, 0, 1]
+    assert same(shown(obj, 13), poses[49])
+    assert same(shown(obj, 25), poses[25])
+
+
+def test_a_frame_that_is_refused_says_why(capsys):
+    obj, _ = bent_bar()
+    before = everything(obj)
+    obj.planar.poses[2].frame = 25
+    assert "Frame 25 has a key" in capsys.readouterr().out
+    curve_of(obj).lock = True
+    obj.planar.poses[2].frame = 30
+    assert "locked" in capsys.readouterr().out
+    curve_of(obj).lock = False
+    assert everything(obj) == before

@@ -48,7 +48,6 @@ def test_undo_and_redo():
     history = History()
     history.did(bpy.ops.planar.key_pose())
     bpy.context.scene.frame_set(25)
-    # Blender itself loses an unkeyed value in a redo across a frame change.
     history.did({"FINISHED"})
     history.did(bpy.ops.planar.drag_pins(offset=(0.0, 0.3)))
     history.did(bpy.ops.planar.key_pose())
@@ -61,6 +60,25 @@ def test_undo_and_redo():
     history.did(bpy.ops.planar.clear_poses())
     history.undo_all()
     history.redo_all()
+
+
+def test_one_undo_of_a_frame_change_brings_an_unkeyed_pose_back():
+    obj, _ = keyed_bar()
+    go_to(13)
+    bpy.ops.ed.undo_push(message="Frame")
+    assert bpy.ops.planar.drag_pins(offset=(0.0, 0.3)) == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Drag")
+    shape = evaluated(obj)
+    for frame in (17, 25):
+        go_to(frame)
+        bpy.ops.ed.undo_push(message="Frame")
+    for _ in range(2):
+        bpy.ops.ed.undo()
+    assert bpy.context.scene.frame_current == 13
+    obj = bpy.data.objects["Cutout"]
+    assert same(evaluated(obj), shape)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    assert same(shown_at(obj, 13), shape)
 
 
 @pytest.mark.parametrize("copied_actions", [True, False])
@@ -277,3 +295,58 @@ def test_scaling_applied_to_the_object_scales_all_poses():
     pose(obj, offset=(0.0, 0.2))
     assert np.abs(evaluated(obj) - 2.0 * shapes[25]).max() > 0.1
     assert np.abs(shown_at(obj, 1) - 2.0 * shapes[1]).max() < 1e-6
+
+
+def pushed_down(obj, *, start=None, scale=1.0):
+    """As Push Down in the Nonlinear Animation editor does it; the strip."""
+    animation = obj.data.shape_keys.animation_data
+    action, slot = animation.action, getattr(animation, "action_slot", None)
+    track = animation.nla_tracks.new()
+    strip = track.strips.new(action.name, int(action.frame_range[0]), action)
+    if slot is not None:
+        strip.action_slot = slot
+    animation.action = None
+    strip.scale = scale
+    if start is not None:
+        strip.frame_start_ui = start
+    bpy.context.view_layer.update()
+    return strip
+
+
+@pytest.mark.parametrize(("start", "scale"), [(None, 1.0), (101, 1.0), (11, 2.0)])
+def test_a_sequence_pushed_down_is_listed_where_its_strip_plays_it(start, scale):
+    from planar_deform.scene.sequence import pose_state
+
+    obj, shapes = keyed_bar()
+    before = {frame: shown_at(obj, frame) for frame in (1, 13, 25, 49)}
+    pushed_down(obj, start=start, scale=scale)
+    at = {frame: (start or 1) + (frame - 1) * scale for frame in before}
+    frames = [pose_state.frames_of(obj, pose) for pose in range(3)]
+    assert frames == [[at[frame]] for frame in shapes]
+    assert [pose.frame for pose in obj.planar.poses] == [at[frame] for frame in shapes]
+    for frame, shape in before.items():
+        assert shown_at(obj, at[frame]) == pytest.approx(shape, abs=1e-5)
+        assert pose_state.shape_at(obj, at[frame]) == pytest.approx(shape, abs=1e-5)
+    assert pose_state.pose_at(obj, at[25]) == 1
+
+
+def test_the_remedy_for_a_sequence_pushed_down_loses_nothing():
+    from planar_deform import compat
+
+    obj, shapes = keyed_bar()
+    before = stored(obj)
+    animation = obj.data.shape_keys.animation_data
+    name, slot = animation.action.name, compat.slot_of(animation)
+    pushed_down(obj)
+    activate(obj)
+    go_to(25)
+    for operator in ("key_pose", "generate_inbetweens", "drag_pins", "delete_pose", "step_poses"):
+        with pytest.raises(RuntimeError, match=f"choose the action '{name}'"):
+            getattr(bpy.ops.planar, operator)()
+    obj.planar.poses[1].frame = 30
+    compat.assign_action(animation, bpy.data.actions[name], slot)
+    animation.nla_tracks.remove(animation.nla_tracks[0])
+    go_to(49)
+    assert stored(obj) == before
+    assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
+    assert same(shown_at(obj, 13), key(obj, 13))

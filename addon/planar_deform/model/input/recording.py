@@ -7,6 +7,8 @@ frame, and is solved again once it is known, which also is what smoothing needs.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..plane.frame import Array
@@ -17,9 +19,14 @@ REFINEMENTS = 3
 
 
 class Recording:
-    """The samples of a drag by time, counted in frames since its start."""
+    """The samples of a drag by time, counted in frames since its start.
 
-    def __init__(self) -> None:
+    `frames`: how many there are, from the first to the end of the range; with `loop` the first follows the
+    last again, else nothing does. None: there is no end.
+    """
+
+    def __init__(self, frames: int | None = None, *, loop: bool = False) -> None:
+        self._frames, self._loop = frames, loop
         self._times, self._samples = [0.0], [(0.0, 0.0, 0.0)]
 
     def add(self, time: float, sample: Sample) -> None:
@@ -27,11 +34,62 @@ class Recording:
         self._times.append(time)
         self._samples.append(sample)
 
-    def by_frame(self, last: int) -> list[Sample]:
-        """A sample for each frame from 0 to `last`, between those there are in proportion to time."""
-        frames = np.arange(last + 1.0)
+    def frame_at(self, time: float) -> int:
+        """The frame, from 0, to be shown at a time."""
+        if self._frames is None:
+            return int(time)
+        return int(time) % self._frames if self._loop else min(int(time), self._frames - 1)
+
+    def over(self, time: float) -> bool:
+        """Whether the end of the range has been reached, and with it that of the recording."""
+        return self._frames is not None and not self._loop and time >= self._frames - 1
+
+    def by_frame(self, time: float) -> list[Sample]:
+        """A sample for each frame that was shown until a time, from those there are in proportion to time.
+
+        Of frames that were shown more than once, the last time counts.
+        """
+        last = self.frame_at(time)
+        times = np.arange(last + 1.0)
+        if self._loop and self._frames is not None and time >= self._frames:
+            times = np.arange(float(self._frames))
+            times += self._frames * np.floor((time - times) / self._frames)
         columns = np.array(self._samples).T
-        return _rows(np.stack([np.interp(frames, self._times, column) for column in columns], axis=1))
+        return _rows(np.stack([np.interp(times, self._times, column) for column in columns], axis=1))
+
+
+class Layer:
+    """What was there before: pins that are not dragged go on as they did.
+
+    Called with the number of a sample it gives the shape (n x 2) of its frame, as Posing.played asks for it.
+    While it is recorded that is the frame `now`.
+    """
+
+    def __init__(self, shape_of: Callable[[int], Array]):
+        """`shape_of` reads the shape of a frame, from 0; only when told to, here."""
+        self._shape_of = shape_of
+        self._shapes: dict[int, Array] = {}
+        self._now = 0
+        self._frames: list[int] | None = None
+
+    def show(self, frame: int) -> None:
+        """This frame is shown now."""
+        self._read(frame)
+        self._now = frame
+
+    def follow(self, poses: Poses) -> None:
+        """The samples to come are those of these poses."""
+        for frame in sorted(set(poses.frames)):
+            self._read(frame)
+        self._frames = poses.frames
+
+    def __call__(self, number: int) -> Array:
+        frames = self._frames
+        return self._shapes[self._now if frames is None else frames[min(number, len(frames) - 1)]]
+
+    def _read(self, frame: int) -> None:
+        if frame not in self._shapes:
+            self._shapes[frame] = self._shape_of(frame)
 
 
 def smoothed(path: list[Sample], frames: float) -> list[Sample]:
@@ -56,6 +114,7 @@ class Poses:
 
     def __init__(self, path: list[Sample], frame_step: int):
         self.samples: list[Sample] = []  # to be solved; those of kept poses are repeated, to refine them
+        self.frames: list[int] = []  # of each sample
         self.by_frame: dict[int, Array] = {}  # n x 2 positions, filled in by `seen`
         self.last: Solved | None = None
         self._ends: dict[int, int] = {}  # a number of samples -> the frame whose pose they lead to
@@ -64,6 +123,7 @@ class Poses:
             if frame % frame_step == 0 or frame == len(path) - 1:
                 self.samples += [sample] * REFINEMENTS
                 self._ends[len(self.samples)] = frame
+            self.frames += [frame] * (len(self.samples) - len(self.frames))
 
     def seen(self, solved: Solved) -> None:
         """All that is solved of the samples goes through here, in order; from whatever thread."""

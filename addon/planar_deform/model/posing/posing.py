@@ -67,7 +67,10 @@ class Posing:
         if not self._holders:
             raise ValueError("pins: none is enabled")
         self._moving = frozenset(moving)
-        self._starts = [_start(holder, positions) for holder in self._holders]
+        self._starts = self._begun = [_start(holder, positions) for holder in self._holders]
+        # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
+        # None: they stay. Asked wherever it is solved, which may be in another thread.
+        self.played: Callable[[int], Array | None] | None = None
         if pivot is None:
             movers = [
                 place
@@ -84,6 +87,8 @@ class Posing:
         self.positions = self._start  # n x 2, after the last move
         self.path: list[Sample] = []
         self._refinements = 0
+        self._starts = self._begun
+        self._playing: Array | None = None
 
     @property
     def settled(self) -> bool:
@@ -100,7 +105,7 @@ class Posing:
         if self._poser is None:
             self._poser = self._make_poser()
             self._set_handles(self._poser)
-        if self.path and self.path[-1] == sample:
+        if not self._play() and self.path and self.path[-1] == sample:
             self.positions = self._poser.refine()
             self._refinements += 1
         else:
@@ -108,6 +113,18 @@ class Posing:
             self._refinements = 0
         self.path.append(sample)
         return self.positions
+
+    def _play(self) -> bool:
+        """Let the pins that do not move be where they play by now; whether that is elsewhere."""
+        shape = None if self.played is None else self.played(len(self.path))
+        if shape is None or shape is self._playing:
+            return False
+        self._playing = shape
+        self._starts = [
+            start if self._moves(holder) else (holder.place(shape), holder.fitted_angle(shape))
+            for holder, start in zip(self._holders, self._begun, strict=True)
+        ]
+        return True
 
     def settle(self) -> Array:
         """Refine until there is nothing left to do; n x 2 positions."""

@@ -17,6 +17,7 @@ class Entry:
     first: float | None  # the frames at which it is reached and left; None: never played
     last: float | None
     copy: bool = False  # the block is there already: it is come back to
+    passed: bool = False  # no key stands at it: it is played on the way
 
 
 def in_order(count: int, visits: Sequence[Visit]) -> list[Entry]:
@@ -45,7 +46,7 @@ def in_order(count: int, visits: Sequence[Visit]) -> list[Entry]:
         step = (visits[number + 1].first - visit.last) / (len(passed) + 1)
         for index, block in enumerate(passed, 1):
             frame = visit.last + step * index
-            entries.append(Entry(block, frame, frame))
+            entries.append(Entry(block, frame, frame, passed=True))
     return entries
 
 
@@ -54,3 +55,18 @@ def frames_between(before: Entry, after: Entry) -> int:
     if before.last is None or after.first is None:
         return 0
     return whole_frames(before.last, after.first)
+
+
+def even(counts: list[int], entries: Sequence[Entry]) -> list[int]:
+    """Counts of what is between the entries, made equal where one way of the curve leads through several.
+
+    Then the curve is at any share of the way when it was. Where there is nothing, there is nothing.
+    """
+    result = list(counts)
+    first = 0
+    for last in range(1, len(entries)):
+        if not entries[last].passed:
+            most = max(counts[first:last])
+            result[first:last] = [most if count else 0 for count in counts[first:last]]
+            first = last
+    return result

@@ -3,7 +3,8 @@
 
 A value of the curve is the eval_time of a shape: poses are SPACING apart without generated shapes, which come
 in between. What the keys' values and handles were before is remembered as offsets from the eval_time of the
-pose at or below the key, so that taking the generated shapes out restores them to the bit.
+pose at or below the key, so that taking the generated shapes out restores them to the bit. What is not
+remembered keeps its progress, see progress.py.
 """
 
 from __future__ import annotations
@@ -62,11 +63,25 @@ def moved(values: Array, old: Array, new: Array) -> Array:
 
 @dataclass(frozen=True)
 class Rows:
-    """The keys of a curve as it stores them, float32."""
+    """The keys of a curve as it stores them."""
 
     keys: Array32  # k x 2: frame, value
     left: Array32  # k x 2, the handles
     right: Array32
+    types: Indices  # k x 2, of the handles, as Blender numbers them
+    amplitude: Array32  # k, of what swings behind the key
+
+    @property
+    def values(self) -> Array:
+        """Of the key and its two handles, k x 3."""
+        values = np.stack([self.keys[:, 1], self.left[:, 1], self.right[:, 1]], axis=1)
+        return np.asarray(values, np.float64)
+
+    def at(self, values: Array, types: Indices, amplitude: Array32) -> Rows:
+        """The same frames with these values (k x 3)."""
+        parts = zip((self.keys, self.left, self.right), values.T, strict=True)
+        keys, left, right = (np.stack([old[:, 0], new], axis=1).astype(np.float32) for old, new in parts)
+        return Rows(keys, left, right, types, amplitude)
 
 
 @dataclass(frozen=True)
@@ -76,7 +91,17 @@ class Offsets:
     pose: Indices  # k: the pose at or below the key
     values: Array  # k x 3: of the key and its two handles, from the eval_time of that pose
     sides: Array32  # k x 2 float32: the frames of the handles
-    exact: Mask  # k x 3 bool: which are to the bit what they were
+    types: Indices  # k x 2
+    amplitude: Array32  # k
+    exact: Mask  # k x 3 bool: which are to the bit what they were, with what belongs to them
+
+    def restored(self, rows: Rows, values: Array) -> Rows:
+        """The keys as they are in `rows`, but what is exact as it was, with these values (k x 3)."""
+        chosen = np.where(self.exact, values, rows.values)
+        amplitude = np.where(self.exact[:, 0], self.amplitude, rows.amplitude)
+        result = rows.at(chosen, self.types, amplitude)
+        result.left[:, 0], result.right[:, 0] = self.sides.T
+        return result
 
 
 def offsets(rows: Rows, shown: Array, plain: Array, remembered: str) -> Offsets:
@@ -85,49 +110,88 @@ def offsets(rows: Rows, shown: Array, plain: Array, remembered: str) -> Offsets:
     `remembered` is what remember() told when the eval_times were made what they are; values that have not
     changed since are what they were then.
     """
-    values = np.stack([rows.keys[:, 1], rows.left[:, 1], rows.right[:, 1]], axis=1).astype(np.float64)
-    pose = np.maximum(np.searchsorted(shown, values[:, 0] + SAME_EVAL_TIME, side="right") - 1, 0).astype(
-        np.int32
-    )
+    values = rows.values
+    pose = pose_below(values[:, 0], shown)
     result = moved(values, shown, plain) - plain[pose, None]
     sides = np.stack([rows.left[:, 0], rows.right[:, 0]], axis=1)
+    types, amplitude = rows.types.copy(), rows.amplitude.copy()
     exact = np.zeros(values.shape, bool)
     known = _unpacked(remembered)
     for index, parts in enumerate(_parts(rows)):
         for column, part in enumerate(parts):
-            if known.get(part):
-                offset, side = known[part].pop(0)
-                result[index, column], exact[index, column] = offset, True
-                if column:
-                    sides[index, column - 1] = side
-    return Offsets(pose, result, sides, exact)
+            if not known.get(part):
+                continue
+            was = known[part].pop(0)
+            result[index, column], exact[index, column] = was.offset, True
+            if column:
+                sides[index, column - 1], types[index, column - 1] = was.side, was.type
+            else:
+                amplitude[index] = was.amplitude
+    return Offsets(pose, result, sides, types, amplitude, exact)
+
+
+def pose_below(values: Array, eval_times: Array) -> Indices:
+    """The pose at or below each value, of poses at `eval_times` (ascending); the first one below them all."""
+    above = np.searchsorted(eval_times, values + SAME_EVAL_TIME, side="right")
+    return np.maximum(above - 1, 0).astype(np.int32)
+
+
+@dataclass(frozen=True)
+class _Was:
+    offset: float
+    side: float
+    type: int
+    amplitude: float
+
+
+_HEAD = ":"  # before what remember() tells; files of before there were types have none, and are not read
+_ROW = np.dtype(
+    [
+        *(("now", np.float32, 7), ("now_types", np.int8, 2)),
+        *(("sides", np.float32, 2), ("types", np.int8, 2), ("amplitude", np.float32)),
+        *(("values", np.float64, 3), ("exact", bool, 3)),
+    ]
+)
 
 
 def remember(rows: Rows, before: Offsets) -> str:
-    """What offsets() needs to know of keys that have become `rows`."""
-    table = np.concatenate([rows.keys, rows.left, rows.right, before.sides], axis=1, dtype=np.float32)
-    packed = table.tobytes() + before.values.astype(np.float64).tobytes()
-    return base64.b85encode(zlib.compress(packed)).decode()
+    """What offsets() needs to know of keys that have become `rows`: what of `before` is exact."""
+    table = np.empty(len(rows.keys), _ROW)
+    table["now"] = np.column_stack([rows.keys, rows.left, rows.right, rows.amplitude])
+    table["now_types"] = rows.types
+    for field in ("sides", "types", "amplitude", "values", "exact"):
+        table[field] = getattr(before, field)
+    return _HEAD + base64.b85encode(zlib.compress(table.tobytes())).decode()
 
 
-def _unpacked(remembered: str) -> dict[bytes, list[tuple[float, float]]]:
-    known: dict[bytes, list[tuple[float, float]]] = {}
-    if not remembered:
+def _unpacked(remembered: str) -> dict[bytes, list[_Was]]:
+    known: dict[bytes, list[_Was]] = {}
+    if not remembered.startswith(_HEAD):
         return known
-    packed = zlib.decompress(base64.b85decode(remembered))
-    count = len(packed) // (8 * 4 + 3 * 8)
-    table = np.frombuffer(packed, np.float32, count * 8).reshape(-1, 8)
-    values = np.frombuffer(packed, np.float64, count * 3, offset=count * 32).reshape(-1, 3)
-    rows = Rows(table[:, :2], table[:, 2:4], table[:, 4:6])
-    for parts, sides, offset in zip(_parts(rows), table[:, 6:].tolist(), values.tolist(), strict=True):
-        for part, was in zip(parts, zip(offset, (0.0, *sides), strict=True), strict=True):
-            known.setdefault(part, []).append(was)
+    table = np.frombuffer(zlib.decompress(base64.b85decode(remembered[len(_HEAD) :])), _ROW)
+    now = table["now"]
+    rows = Rows(now[:, :2], now[:, 2:4], now[:, 4:6], table["now_types"].astype(np.int32), now[:, 6])
+    for parts, row in zip(_parts(rows), table, strict=True):
+        sides, types = (0.0, *row["sides"].tolist()), (0, *row["types"].tolist())
+        for column, part in enumerate(parts):
+            if row["exact"][column]:
+                was = _Was(
+                    float(row["values"][column]), sides[column], types[column], float(row["amplitude"])
+                )
+                known.setdefault(part, []).append(was)
     return known
 
 
 def _parts(rows: Rows) -> list[tuple[bytes, bytes, bytes]]:
     """The bits of each key, and of each handle together with its key."""
+    types = rows.types.astype(np.int8)
     return [
-        (b"k" + key.tobytes(), b"l" + key.tobytes() + left.tobytes(), b"r" + key.tobytes() + right.tobytes())
-        for key, left, right in zip(rows.keys, rows.left, rows.right, strict=True)
+        (
+            b"k" + key.tobytes() + amplitude.tobytes(),
+            b"l" + key.tobytes() + left.tobytes() + kinds[0].tobytes(),
+            b"r" + key.tobytes() + right.tobytes() + kinds[1].tobytes(),
+        )
+        for key, left, right, kinds, amplitude in zip(
+            rows.keys, rows.left, rows.right, types, rows.amplitude, strict=True
+        )
     ]

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array32, Indices
-from ...model.timing.order_of_time import Entry, frames_between
+from ...model.timing.order_of_time import Entry, even, frames_between
 from ...model.timing.played_curve import SAME_FRAME
 from ..objects.any_object import AnyObject, shape_refusal
 from ..objects.cutout_object import CutoutObject
@@ -102,6 +102,7 @@ def plan(
             result.kept.add(transition)
             count = 0
         result.counts.append(count)
+    result.counts = even(result.counts, entries_played)
     if not any(result.counts) and not result.kept:
         raise Refusal("There are no frames to fill between the poses: move their keys apart")
     kept = sum(len(found[entries_played[transition].block].inbetweens) for transition in result.kept)

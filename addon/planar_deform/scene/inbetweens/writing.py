@@ -11,8 +11,17 @@ import bpy
 import numpy as np
 
 from ...errors import ObjectGone, Refusal
-from ...model.plane.frame import Array
-from ...model.timing.played_curve import SAME_EVAL_TIME, Offsets, moved, offsets, remember
+from ...model.plane.frame import Array, Mask
+from ...model.timing import progress
+from ...model.timing.played_curve import (
+    SAME_EVAL_TIME,
+    Offsets,
+    Rows,
+    moved,
+    offsets,
+    pose_below,
+    remember,
+)
 from ..objects.any_object import AnyObject
 from ..sequence import playback, pose_curve, pose_showing, pose_state
 from ..sequence.playback import Block, inbetween_name
@@ -76,8 +85,11 @@ def remove(obj: bpy.types.Object) -> None:
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         curve = own_curve(obj.data.shape_keys)
         if curve is not None:
-            was = offsets(pose_curve.rows(curve), shown, plain, remembered)
-            pose_curve.write_rows(curve, final[was.pose][:, None] + was.values, was)
+            rows = pose_curve.rows(curve)
+            was = offsets(rows, shown, plain, remembered)
+            fallback = final[was.pose][:, None] + was.values
+            wanted = progress.kept(rows, was.exact[:, 0] | _stands(rows, shown, was), fallback)
+            pose_curve.write_rows(curve, was.restored(wanted, fallback), was.exact)
 
     playback.run(playback.relay(obj, blocks, then))
     for index, pose in enumerate(settings.poses):
@@ -152,16 +164,30 @@ def _expand(obj: bpy.types.Object, plan: Plan, shown: Array) -> None:
     curve = own_curve(obj.data.shape_keys)
     rows = pose_curve.rows(curve)
     old = np.array(plan.starts)
-    was = offsets(rows, old, FIRST + SPACING * np.arange(len(old)), settings.curve_before)
+    old_plain = FIRST + SPACING * np.arange(len(old))
+    was = offsets(rows, old, old_plain, settings.curve_before)
     times: dict[int, list[int]] = {}  # the entries of each block
     for index, known in enumerate(plan.entries):
         times.setdefault(known.block, []).append(index)
     keys = zip(was.pose.tolist(), rows.keys[:, 0].tolist(), strict=True)
     entry = np.array([_entry_at(plan, times[block], frame) for block, frame in keys])
     plain = FIRST + SPACING * np.arange(len(shown))
-    pose_curve.write_rows(curve, moved(plain[entry][:, None] + was.values, plain, shown))
-    before = Offsets(entry, was.values, was.sides, was.exact)
-    settings.curve_before = remember(pose_curve.rows(curve), before)
+    fallback = moved(plain[entry][:, None] + was.values, plain, shown)
+    wanted = progress.kept(rows, _stands(rows, old, was), fallback)
+    wanted.types[:] = was.types
+    pose_curve.write_rows(curve, wanted)
+    # What is remembered is reckoned from the pose below the key as it is now, which may be another one.
+    under = np.array([known.block for known in plan.entries])[pose_below(wanted.values[:, 0], shown)]
+    another = under != was.pose
+    was.values[another] += (old_plain[was.pose] - old_plain[under])[another, None]
+    if not settings.curve_before:
+        was.exact[:] = True
+    settings.curve_before = remember(pose_curve.rows(curve), was)
+
+
+def _stands(rows: Rows, eval_times: Array, was: Offsets) -> Mask:
+    """Which keys stand at poses; the others retime."""
+    return np.asarray(np.abs(rows.keys[:, 1] - eval_times[was.pose]) < SAME_EVAL_TIME)
 
 
 def _entry_at(plan: Plan, found: Sequence[int], frame: float) -> int:

@@ -211,18 +211,18 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
     poses = obj.planar.poses
     active = obj.planar.active_pose
     active_at = moved.get(poses[active].at) if 0 <= active < len(poses) else None
-    poses.clear()
-    latest = None
+    listed: list[tuple[float, Record]] = []
     # A new pose may have the name of one that is gone, which others repeated.
     there = {block.name for block in blocks if block.pose is not None and block.source is not None}
     for block, eval_time in zip(blocks, at.tolist(), strict=True):
-        if latest is not None and (block.inbetween or block.pose is not None):
-            latest.generated += block.free + block.inbetween
+        if listed and (block.inbetween or block.pose is not None):
+            listed[-1][1]["generated"] += block.free + block.inbetween
         if block.pose is not None:
             record = {**block.pose, "name": block.name, "generated": 0}
             if record.get("copy_of") not in there:
                 record["copy_of"] = ""
-            latest = _add_pose(obj, eval_time, record)
+            listed.append((eval_time, record))
+    _write_list(obj, listed)
     for index, pose in enumerate(poses):
         if pose.at == active_at:
             obj.planar.active_pose = index
@@ -231,12 +231,24 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
         obj.planar.curve_before = ""  # the curve is as it would be without having been filled
 
 
-def _add_pose(obj: bpy.types.Object, eval_time: float, record: Record) -> bpy.types.PropertyGroup:
-    pose = obj.planar.poses.add()
-    for name, value in record.items():
-        setattr(pose, name, value)
-    pose.at = eval_time  # from now on a new name renames the block there
-    return pose
+def _write_list(obj: bpy.types.Object, listed: Sequence[tuple[float, Record]]) -> None:
+    """Let the list have these poses, by their eval_times.
+
+    What it has already becomes other poses and stays in memory: this may be done while Blender sets a
+    property of one of them.
+    """
+    poses = obj.planar.poses
+    while len(poses) < len(listed):
+        poses.add()
+    while len(poses) > len(listed):
+        poses.remove(len(poses) - 1)
+    for pose in poses:
+        for name in ("at", *record_of(pose)):  # without its eval_time a new name renames no block
+            pose.property_unset(name)
+    for pose, (eval_time, record) in zip(poses, listed, strict=True):
+        for name, value in record.items():
+            setattr(pose, name, value)
+        pose.at = eval_time
 
 
 def finder(obj: bpy.types.Object) -> Callable[[], bpy.types.Object]:
@@ -332,9 +344,7 @@ class _Undo:
                 setattr(block, setting, value)
         if self._still and (still := block_at(keys, STILL)) is not None:
             take_out(obj, still)
-        settings.poses.clear()
-        for at, record in self._poses:
-            _add_pose(obj, at, record)
+        _write_list(obj, self._poses)
         for name, value in self._before.items():
             setattr(settings, name, value)
         settings.active_pose = self._active_pose

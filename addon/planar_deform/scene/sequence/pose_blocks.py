@@ -11,6 +11,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage import points
+from . import strips
 
 # The eval_times of blocks: what the Key's has to be to show them. Blender keeps a block's divided by 100 in
 # float32, and puts a new block at the Key's unless one is within 0.1 of that or all are 10 and more below.
@@ -110,10 +111,21 @@ def keyed(keys: bpy.types.Key | None) -> Array32:
     """Frame and value of each key of the curve, in time, k x 2 float32."""
     curve = shown_curve(keys)
     if curve is None:
+        strip = strips.strip_of(keys)
+        if strip is not None:
+            return strips.keyed(strip)
         return np.empty((0, 2), np.float32)
     timeline = np.empty(len(curve.keyframe_points) * 2, np.float32)
     curve.keyframe_points.foreach_get("co", timeline)
     return timeline.reshape(-1, 2)
+
+
+def played_value(keys: bpy.types.Key, frame: float) -> float:
+    """The eval_time that is shown at a frame, unless an unkeyed pose is."""
+    curve, strip = shown_curve(keys), strips.strip_of(keys)
+    if curve is not None:
+        return float(curve.evaluate(frame))
+    return float(keys.eval_time) if strip is None else strips.value_at(strip, frame)
 
 
 def set_key_type(keys: bpy.types.Key, frame: float, kind: str) -> None:

@@ -10,22 +10,24 @@ import numpy as np
 
 from ... import compat
 from ...model.plane.frame import Array, Array32, Indices, Mask
-from ...model.timing.played_curve import SAME_FRAME, Offsets, Rows, moved
+from ...model.timing import progress
+from ...model.timing.ease import KeyEase
+from ...model.timing.played_curve import SAME_FRAME, Rows, moved
 from .pose_blocks import keyed, own_curve, shown_curve
 
 _Column = Array32 | Indices | Mask  # one field of all keys, as Blender stores it
 
 _PAIRS = ("co", "handle_left", "handle_right")
+_TYPES = ("handle_left_type", "handle_right_type")
 _NUMBERS = ("back", "amplitude", "period")
-_ENUMS = ("handle_left_type", "handle_right_type", "interpolation", "easing", "type")
+_ENUMS = (*_TYPES, "interpolation", "easing", "type")
 _FLAGS = ("select_control_point", "select_left_handle", "select_right_handle")
 
 
 def follow(keys: bpy.types.Key, old: Array, new: Array) -> None:
     """Take the values of the curve from where blocks were to where they are; between blocks in proportion.
 
-    Does not update the curve: what edits it next does. Doing it here would also mark all animation as
-    changed, and the unkeyed pose that has just been keyed would be lost when that is undone.
+    Does not update the curve: what edits it next does.
     """
     curve = own_curve(keys)
     if curve is None or np.array_equal(old, new):
@@ -45,30 +47,54 @@ def read(curve: bpy.types.FCurve, field: str) -> Array32:
 
 def rows(curve: bpy.types.FCurve) -> Rows:
     """All keys with their handles."""
-    return Rows(*(read(curve, field) for field in _PAIRS))
+    keys, left, right = (read(curve, field) for field in _PAIRS)
+    types = np.stack([_numbers(curve, field, np.int32) for field in _TYPES], axis=1)
+    amplitude = np.asarray(_numbers(curve, "amplitude", np.float32), np.float32)
+    return Rows(keys, left, right, np.asarray(types, np.int32), amplitude)
 
 
-def write_rows(curve: bpy.types.FCurve, values: Array, kept: Offsets | None = None) -> None:
-    """Give the keys and their handles these values (k x 3), and let Blender set its automatic handles.
+def write_rows(curve: bpy.types.FCurve, wanted: Rows, exact: Mask | None = None) -> None:
+    """Put the keys and their handles there, with these types and amplitudes.
 
-    Of `kept`, what is to the bit what it was stays so, with the frames of the handles.
+    Automatic handles stay automatic where that is where Blender puts them; they become free elsewhere. Values
+    that are `exact` (k x 3) are so to the bit; where all are, types are what they should be.
     """
-    _write_values(curve, values, np.ones(values.shape, bool))
-    curve.update()
-    if kept is not None:
-        for side, field in enumerate(_PAIRS[1:]):
-            pairs = read(curve, field)
-            exact = kept.exact[:, side + 1]
-            pairs[exact, 0] = kept.sides[exact, side]
-            curve.keyframe_points.foreach_set(field, pairs.ravel())
-        _write_values(curve, values, kept.exact)
+    types = wanted.types.copy()
+    bezier = _numbers(curve, "interpolation", np.int32) == number_of("interpolation", "BEZIER")
+    curve.keyframe_points.foreach_set("amplitude", wanted.amplitude)
+    while True:
+        for side, field in enumerate(_TYPES):
+            curve.keyframe_points.foreach_set(field, types[:, side].copy())
+        _write_pairs(curve, wanted, np.ones((len(types), 3), bool))
+        curve.update()
+        if exact is not None and exact.all():
+            break
+        free = number_of("handle_left_type", "FREE")
+        off = progress.off(rows(curve), wanted, bezier) & (types != free).any(axis=1)
+        if not off.any():
+            break
+        types[off] = free
+    if exact is not None:
+        _write_pairs(curve, wanted, exact)
 
 
-def _write_values(curve: bpy.types.FCurve, values: Array, chosen: Mask) -> None:
-    for column, field in enumerate(_PAIRS):
+def _write_pairs(curve: bpy.types.FCurve, wanted: Rows, chosen: Mask) -> None:
+    for column, (field, new) in enumerate(zip(_PAIRS, (wanted.keys, wanted.left, wanted.right), strict=True)):
         pairs = read(curve, field)
-        pairs[chosen[:, column], 1] = values[chosen[:, column], column]
+        pairs[chosen[:, column]] = new[chosen[:, column]]
         curve.keyframe_points.foreach_set(field, pairs.ravel())
+
+
+def _numbers(curve: bpy.types.FCurve, field: str, kind: type) -> _Column:
+    """A number of each key, or an enum's."""
+    values: _Column = np.empty(len(curve.keyframe_points), kind)
+    curve.keyframe_points.foreach_get(field, values)
+    return values
+
+
+def number_of(field: str, name: str) -> int:
+    """Blender's number of one of the values of a key's enum."""
+    return int(bpy.types.Keyframe.bl_rna.properties[field].enum_items[name].value)
 
 
 def remove_keys(keys: bpy.types.Key, chosen: Mask) -> None:
@@ -81,8 +107,8 @@ def remove_keys(keys: bpy.types.Key, chosen: Mask) -> None:
         curve.update()
 
 
-def key(obj: bpy.types.Object, at: Mapping[float, float]) -> None:
-    """Key an eval_time at each frame; what keys there were keep their easing, new ones are linear."""
+def key(obj: bpy.types.Object, at: Mapping[float, float], new: KeyEase) -> None:
+    """Key an eval_time at each frame; what keys there were keep their easing, new ones get this."""
     keys = obj.data.shape_keys
     own_curve(keys)
     before = keyed(keys)[:, 0]
@@ -93,13 +119,17 @@ def key(obj: bpy.types.Object, at: Mapping[float, float]) -> None:
         keys.animation_data.action.name = f"{obj.name} Poses"
     curve = own_curve(keys)
     assert curve is not None  # keying has made it
-    points = curve.keyframe_points
     frames = keyed(keys)[:, 0]
-    new = ~(np.abs(frames[:, None] - before[None, :]) < SAME_FRAME).any(axis=1)
-    easing = np.empty(len(points), np.int32)
-    points.foreach_get("interpolation", easing)
-    easing[new] = points[0].bl_rna.properties["interpolation"].enum_items["LINEAR"].value
-    points.foreach_set("interpolation", easing)
+    chosen = ~(np.abs(frames[:, None] - before[None, :]) < SAME_FRAME).any(axis=1)
+    for field, name in (
+        ("interpolation", new.interpolation),
+        ("easing", new.easing),
+        *((field, new.handles) for field in _TYPES),
+    ):
+        numbers = _numbers(curve, field, np.int32)
+        numbers[chosen] = number_of(field, name)
+        curve.keyframe_points.foreach_set(field, numbers)
+    curve.update()
 
 
 def value_at(keys: bpy.types.Key, frame: float) -> float:
@@ -163,9 +193,7 @@ def _fields(curve: bpy.types.FCurve) -> dict[str, _Column]:
     result: dict[str, _Column] = {field: read(curve, field).ravel() for field in _PAIRS}
     for fields, kind in ((_NUMBERS, np.float32), (_ENUMS, np.int32), (_FLAGS, bool)):
         for field in fields:
-            values = np.empty(len(curve.keyframe_points), kind)
-            curve.keyframe_points.foreach_get(field, values)
-            result[field] = values
+            result[field] = _numbers(curve, field, kind)
     return result
 
 

@@ -10,9 +10,11 @@ import bpy
 import numpy as np
 
 from ...model.plane.frame import Array, Array32, Mask
+from ...model.timing.ease import LINEAR
 from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage.shape_keys import POSE_KEY
 from . import pose_curve
+from .key_ease import of_new_keys
 from .playback import Block, blocks_of, eval_times_of, follow, relay
 from .pose_blocks import keyed
 
@@ -24,7 +26,8 @@ def insert(
 
     A pose that is keyed at such a frame, and nowhere else, gets the shape. Every other one comes after what
     the curve shows before its frame, in the place of the generated shape if one is shown there exactly.
-    `throughout`: keys between the frames go away, with what only they show and what is generated there.
+    `throughout`: keys between the frames go away, with what only they show and what is generated there; the
+    new ones are linear, as the shapes are the motion themselves.
     """
     keys = obj.data.shape_keys
     timeline = keyed(keys)
@@ -57,7 +60,7 @@ def insert(
         pose_curve.remove_keys(obj.data.shape_keys, removed)
         follow(obj, old, eval_times)
         if keyed_at:
-            pose_curve.key(obj, keyed_at)
+            pose_curve.key(obj, keyed_at, LINEAR if throughout else of_new_keys(obj))
 
     return relay(obj, blocks, then)
 

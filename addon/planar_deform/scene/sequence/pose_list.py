@@ -12,6 +12,7 @@ from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage.points import read_block, update, write_block
 from . import playback, pose_curve, pose_edit, pose_showing, pose_state
+from .key_ease import of_new_keys
 from .playback import blocks_of, eval_times_of, inbetween_name, relay
 from .pose_blocks import SPACING, block_at, keyed, own_curve, shown_curve
 from .pose_insertion import close_up, put_in, shown_before
@@ -79,7 +80,7 @@ def _reorder(
         stays = np.abs(old - eval_time) > SAME_EVAL_TIME
         playback.follow(obj, old[stays], new[stays])
         if offsets is None:
-            pose_curve.key(obj, {frame: float(to)})
+            pose_curve.key(obj, {frame: float(to)}, of_new_keys(obj))
             return
         curve = own_curve(keys)
         assert curve is not None  # its keys are `mine`

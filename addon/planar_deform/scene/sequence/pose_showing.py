@@ -7,7 +7,8 @@ import bpy
 
 from ...model.plane.frame import Array32
 from ..storage import points
-from .pose_blocks import HOLD, SCRATCH, add, block_at, played, shown_curve, take_out
+from . import pose_state
+from .pose_blocks import HOLD, SCRATCH, add, block_at, played, played_value, take_out
 
 
 def show_unkeyed(obj: bpy.types.Object, coordinates: Array32) -> None:
@@ -33,9 +34,7 @@ def drop_scratch(obj: bpy.types.Object) -> None:
 def show_frame(obj: bpy.types.Object) -> None:
     """Show what the curve says for the present frame."""
     keys = obj.data.shape_keys
-    curve = shown_curve(keys)
-    if curve is not None:
-        keys.eval_time = curve.evaluate(bpy.context.scene.frame_current_final)
+    keys.eval_time = played_value(keys, bpy.context.scene.frame_current_final)
     points.update(obj)
 
 
@@ -49,3 +48,31 @@ def show(obj: bpy.types.Object, was_unkeyed: bool) -> None:
         bpy.context.view_layer.update()
         obj.data.shape_keys.eval_time = SCRATCH
         points.update(obj)
+
+
+_brought_back: list[str] = []  # objects that show an unkeyed pose again, after undo
+
+
+def undone() -> None:
+    """Undo or redo has brought other data: note which unkeyed poses they show.
+
+    Where the frame is another one by that, too, Blender then reads the curves anew, and takes these back.
+    """
+    _brought_back[:] = [
+        obj.name for obj in bpy.data.objects if _may_have_poses(obj) and pose_state.unkeyed(obj)
+    ]
+
+
+def keep_brought_back() -> None:
+    """Blender has read the curves anew: show these unkeyed poses again."""
+    names = _brought_back.copy()
+    _brought_back.clear()
+    for name in names:
+        obj = bpy.data.objects.get(name)
+        if obj is not None and block_at(obj.data.shape_keys, SCRATCH) is not None:
+            obj.data.shape_keys.eval_time = SCRATCH
+            points.update(obj)
+
+
+def _may_have_poses(obj: bpy.types.Object) -> bool:
+    return obj.library is None and obj.type in {"MESH", "CURVE"} and obj.is_property_set("planar")

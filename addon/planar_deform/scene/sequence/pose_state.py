@@ -11,7 +11,8 @@ from ...errors import Refusal
 from ...model.plane.frame import Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage.shape_keys import POSE_KEY
-from .pose_blocks import FIRST, HOLD, blended, block_at, eval_times, keyed, shown_curve
+from .pose_blocks import FIRST, HOLD, blended, block_at, eval_times, keyed, played_value
+from .strips import strip_of
 
 ON_A_COPY = "work on a copy of the object, with Apply All in the Shape Keys panel's menu"
 
@@ -47,6 +48,8 @@ def refusal(obj: bpy.types.Object) -> str | None:
 def _own_blocks_refusal(keys: bpy.types.Key) -> str | None:
     if keys.use_relative:
         return "Keyed poses are absolute shape keys: turn off Relative in the Shape Keys panel"
+    if block_at(keys, 0.0) is None:
+        return "The Basis of the poses is gone, which is the rest shape: undo deleting that shape key"
     out_of_order = np.flatnonzero(np.diff(eval_times(keys)) < SAME_EVAL_TIME)
     if len(out_of_order):
         name = keys.key_blocks[int(out_of_order[0]) + 1].name
@@ -71,7 +74,7 @@ def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
     if animation.drivers:
         return "The shape keys have drivers: delete them in the Drivers editor"
     if animation.nla_tracks:
-        return "The shape keys are animated in the Nonlinear Animation editor: delete their tracks there"
+        return _strips_refusal(keys)
     if animation.action is None:
         return None
     if not ours:
@@ -89,6 +92,16 @@ def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
         if curve.sampled_points:
             return "The poses' curve is made of samples: turn them into keys in the Graph Editor"
     return None
+
+
+def _strips_refusal(keys: bpy.types.Key) -> str:
+    strip = strip_of(keys)
+    if strip is None:
+        return "The shape keys are animated in the Nonlinear Animation editor: delete their tracks there"
+    return (
+        "A strip in the Nonlinear Animation editor plays the poses: to edit them, choose the action "
+        f"'{strip.action.name}' in the Dope Sheet's Shape Key Editor, then delete the strip's track"
+    )
 
 
 def block_of(obj: bpy.types.Object, pose: int) -> bpy.types.ShapeKey:
@@ -128,9 +141,7 @@ def shown_points(obj: bpy.types.Object) -> Array32:
 
 def shape_at(obj: bpy.types.Object, frame: float) -> Array32:
     """The shape that the sequence shows at any frame, see storage/points.py. Raises Refusal as blended()."""
-    keys = obj.data.shape_keys
-    curve = shown_curve(keys)
-    return blended(obj, keys.eval_time if curve is None else curve.evaluate(frame))
+    return blended(obj, played_value(obj.data.shape_keys, frame))
 
 
 def unkeyed(obj: bpy.types.Object) -> bool:

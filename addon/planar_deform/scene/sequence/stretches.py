@@ -94,6 +94,8 @@ def stale(obj: bpy.types.Object) -> list[tuple[int, int]]:
     """
     if not has_inbetweens(obj) or not pose_state.is_ours(obj):
         return []
+    if block_at(obj.data.shape_keys, 0.0) is None:
+        return []  # nothing can be generated, see pose_state.refusal()
     played = _Played(obj)
     return [
         (played.indices[before.block], played.indices[after.block])

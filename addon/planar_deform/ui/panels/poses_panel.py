@@ -89,6 +89,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("planar.key_pose", icon="KEY_HLT")
         row.operator("planar.record_pins", icon="REC")
+        row.popover("PLANAR_PT_record", text="", icon="DOWNARROW_HLT")
         row = layout.row(align=True)
         row.operator("planar.copy_pose", text="Copy", icon="COPYDOWN")
         row.operator("planar.paste_pose", text="Paste", icon="PASTEDOWN")
@@ -103,6 +104,17 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
         for note in (_note(obj) or _stale_note(obj, stale), _held_note(obj, unseen), _cache_note(obj)):
             if note is not None:
                 lines(layout, note, "INFO", context)
+
+
+class PLANAR_PT_record(bpy.types.Panel):
+    bl_label = "Record"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"  # where Blender's own popovers are
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.prop(context.object.planar, "record_loop")
+        column.prop(context.object.planar, "record_overwrite")
 
 
 class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
@@ -122,6 +134,8 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
         step = pose_list.step_of(context.object)
         for frames, name in ((1, "On Ones"), (2, "On Twos"), (3, "On Threes")):
             row.operator("planar.step_poses", text=name, depress=step == frames).step = frames
+        row.separator()
+        row.prop(settings, "ease", text="")
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column()
@@ -188,4 +202,4 @@ def _cache_note(obj: bpy.types.Object) -> str | None:
     return "The point cache is out of date: the poses have changed since. Bake to Point Cache again"
 
 
-CLASSES = (PLANAR_UL_poses, PLANAR_MT_pose, PLANAR_PT_poses, PLANAR_PT_inbetweens)
+CLASSES = (PLANAR_UL_poses, PLANAR_MT_pose, PLANAR_PT_record, PLANAR_PT_poses, PLANAR_PT_inbetweens)

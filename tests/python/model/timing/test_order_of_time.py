@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The order in which the curve plays the blocks of a sequence."""
 
+import itertools
+
 import numpy as np
 import pytest
 
-from planar_deform.model.timing.order_of_time import Entry, frames_between, in_order
+from planar_deform.model.timing.order_of_time import Entry, even, frames_between, in_order
 from planar_deform.model.timing.played_curve import Visit, visits, whole_frames
 
 PLACES = [1024.0, 1032.0, 1040.0]
@@ -66,3 +68,13 @@ def test_whole_frames_strictly_between(first, last, count):
 def test_nothing_is_between_what_is_not_played():
     assert frames_between(Entry(0, None, None), Entry(1, 9, 9)) == 0
     assert frames_between(Entry(0, 1, 1), Entry(1, None, None)) == 0
+
+
+def test_a_way_through_poses_without_keys_has_as_many_frames_in_each():
+    entries = in_order(4, visits(np.array([(1, 0.0), (12, 24.0)]), [0.0, 8.0, 16.0, 24.0]))
+    counts = [frames_between(before, after) for before, after in itertools.pairwise(entries)]
+    assert counts == [3, 4, 3]
+    assert even(counts, entries) == [4, 4, 4]
+    assert even([3, 0, 5], entries) == [5, 0, 5]
+    keyed = in_order(3, visits(np.array([(1, 0.0), (5, 8.0), (9, 16.0)]), [0.0, 8.0, 16.0]))
+    assert even([3, 5], keyed) == [3, 5]
