@@ -4,7 +4,7 @@
 import bpy
 from support import bar
 
-LEFT_OUT = {"PLANAR_OT_click"}  # what a click of the Pose tool does
+LEFT_OUT = {"PLANAR_OT_click", "PLANAR_OT_guard_key", "PLANAR_OT_pin_menu"}  # what the Pose tool's keys do
 
 
 class Layout:

@@ -17,7 +17,7 @@ from .modal.session import PASSED_ON, is_dragged
 from .posing_operator import Refusing
 
 ADD = "Ctrl-click the drawing to add one"
-MENU = "PLANAR_MT_pins"
+MENU = "PLANAR_MT_pin_context"
 
 
 class PLANAR_OT_click(bpy.types.Operator):

@@ -30,6 +30,7 @@ class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
         column.separator()
         column.operator("planar.drag_pins")
         column.operator("planar.rotate_pins")
+        column.operator("planar.spread_pins")
         column.separator()
         for action, name in (
             ("ALL", "Select All Pins"),
@@ -37,10 +38,14 @@ class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
             ("INVERT", "Invert Pins"),
         ):
             column.operator("planar.select_pins", text=name).action = action
+        column.operator("planar.box_select_pins")
         column.separator()
         column.operator("planar.set_pin_kind", text="Make Selected Pins Points").kind = "POINT"
         column.operator("planar.set_pin_kind", text="Make Selected Pins Patches").kind = "PATCH"
+        column.operator("planar.set_pin_radius")
         column.separator()
+        column.operator("planar.disable_pins", icon="UNPINNED")
+        column.operator("planar.enable_pins", icon="PINNED")
         column.operator("planar.remove_pins", icon="X")
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 import bpy
 
 
-class PLANAR_MT_pins(bpy.types.Menu):
-    bl_idname = "PLANAR_MT_pins"
+class PLANAR_MT_pin_context(bpy.types.Menu):
+    bl_idname = "PLANAR_MT_pin_context"
     bl_label = "Pins"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -32,4 +32,4 @@ class PLANAR_MT_pins(bpy.types.Menu):
         layout.operator("planar.remove_pins", icon="X")
 
 
-CLASSES = (PLANAR_MT_pins,)
+CLASSES = (PLANAR_MT_pin_context,)
