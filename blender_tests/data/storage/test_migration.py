@@ -157,7 +157,7 @@ OPERATORS = (
     *("set_rest_to_current", "reset_to_rest", "reset_selected_pins", "mirror_pose", "paste_pose"),
     *("key_pose", "delete_pose", "jump_to_pose", "clear_poses", "update_pose", "duplicate_pose"),
     *("retime_pose", "step_poses", "generate_inbetweens", "remove_inbetweens", "breakdown", "record_pins"),
-    *("edit_sequence", "thin_poses", "transfer_motion", "bake"),
+    *("edit_sequence", "thin_poses", "transfer_motion", "bake", "refine_mesh"),
 )
 
 

@@ -16,8 +16,9 @@ def refined(mesh: bmesh.types.BMesh) -> None:
     """Divide the faces, the longest edges first, until the mesh can bend."""
     while _is_coarse(mesh) and len(mesh.verts) < MOST:
         _cut_ngons(mesh)
-        longest = max(edge.calc_length() for edge in mesh.edges)
-        long = [edge for edge in mesh.edges if edge.calc_length() > LONG * longest]
+        lengths = {edge: edge.calc_length() for edge in mesh.edges if edge.link_faces}
+        longest = max(lengths.values())
+        long = [edge for edge, length in lengths.items() if length > LONG * longest]
         bmesh.ops.subdivide_edges(mesh, edges=long, cuts=1, use_grid_fill=True)
         _cut_ngons(mesh)
         _make_even(mesh)
