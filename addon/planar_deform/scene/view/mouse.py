@@ -46,7 +46,8 @@ def hidden_refusal(context: bpy.types.Context) -> str | None:
     if obj is None or obj.visible_get():  # asks for the view at hand by itself
         return None
     space = context.space_data
-    if isinstance(space, bpy.types.SpaceView3D) and not obj.visible_in_viewport_get(space):
+    local = isinstance(space, bpy.types.SpaceView3D) and space.local_view is not None
+    if local and not obj.local_view_get(space):
         return f"'{obj.name}' is not in this view: leave its Local View with View > Local View first"
     return f"'{obj.name}' is hidden: show it by its eye in the Outliner first"
 
