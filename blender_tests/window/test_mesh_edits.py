@@ -84,7 +84,7 @@ def test_all_scaled_and_subdivided_in_edit_mode(window: Window) -> Iterator[None
     yield from window.wait(0.2)
     assert active().mode == "OBJECT"
     assert len(active().data.vertices) == 33 * 17
-    assert abs(area() - distorted) < 1e-3
+    assert abs(area() - distorted) < 0.02, f"{distorted} became {area()}"  # a bent quad gets finer
     grown = pins_seen()
     sides = [np.linalg.norm(places[0] - places[2]) for places in (pins, grown)]
     assert abs(sides[1] / sides[0] - 1.2) < 0.01
@@ -95,14 +95,14 @@ def test_all_scaled_and_subdivided_in_edit_mode(window: Window) -> Iterator[None
 
 def test_layers_that_are_joined_keep_their_pins(window: Window) -> Iterator[None]:
     yield from posed(window)
-    first, pins = active(), pins_seen()
+    first, name, pins = active(), active().name, pins_seen()
     with window.context():
         bpy.ops.object.duplicate()
     second = active()
     second.location = (0.0, -0.1, -1.6)
-    bpy.ops.ed.undo_push(message="Moved")
     activate(first)
     second.select_set(True)
+    bpy.ops.ed.undo_push(message="Moved")
     yield from window.wait(0.2)
     yield from window.hover(window.pixel((2.5, 0.0, 1.5)))
     yield from window.key("J", ctrl=True)
@@ -119,7 +119,7 @@ def test_layers_that_are_joined_keep_their_pins(window: Window) -> Iterator[None
     assert 0.05 < moved[153:].max() < 0.5
     yield from window.undo()
     yield from window.undo()
-    assert len(bpy.data.objects[first.name].planar.pins) == 3
+    assert len(bpy.data.objects[name].planar.pins) == 3
     assert np.abs(pins_seen() - pins).max() < 1e-4
     yield from window.redo()
     assert len(active().planar.pins) == 6

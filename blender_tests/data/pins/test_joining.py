@@ -261,3 +261,22 @@ def test_a_posed_layer_joined_to_one_with_keyed_poses_keeps_its_rest():
     assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
     assert measured(joined).area == pytest.approx(2.0, abs=1e-6)
     assert np.ptp(world(joined)[65:], axis=0) == pytest.approx([2.0, 1.0, 0.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("own", ["", "Stiffness", "Mine"])
+def test_painted_stiffness_comes_along(own):
+    from planar_deform.scene.objects.stiffness import painted
+
+    first, second = bar(), bar(name="Second")
+    second.location.x = 4.0
+    for obj, name, weight in ((first, own, 0.25), (second, "Stiffness", 1.0)):
+        add_pins(obj, [0], [12])
+        if name:
+            obj.vertex_groups.new(name=name).add([3, 4], weight, "REPLACE")
+            obj.planar.stiffness_group = name
+    joined = join(first, second)
+    expected = np.full(130, 0.5)
+    expected[[68, 69]] = 1.0
+    if own:
+        expected[[3, 4]] = 0.25
+    assert painted(joined) == pytest.approx(expected)

@@ -46,7 +46,7 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
 
     What has been joined belongs to the mesh from then on. Writes nothing where nothing was done.
     """
-    if not _concerned(obj):
+    if not is_followed(obj):
         return {}
     mesh = obj.data
     present, seen = rest_shape.reference(obj), rest_shape.seen_of(mesh)
@@ -79,8 +79,20 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
 
 def catch_up(obj: bpy.types.Object) -> None:
     """The same before an object is read, but for a join, which the pins have to be told of."""
-    if _concerned(obj) and not is_joined(_owners(obj.data)):
+    if is_followed(obj) and not is_joined(_owners(obj.data)):
         follow(obj)
+
+
+def is_followed(obj: bpy.types.Object) -> bool:
+    """Whether an object has anything of ours that has to follow, and may be changed."""
+    if obj.type != "MESH" or obj.mode not in {"OBJECT", "WEIGHT_PAINT"} or not len(obj.data.vertices):
+        return False
+    mesh = obj.data
+    if obj.library is not None or mesh.library is not None or mesh.override_library is not None:
+        return False
+    if rest_shape.owners_of(mesh) is None and rest_shape.stored_of(mesh) is None:
+        return obj.is_property_set("planar") and len(obj.planar.pins) > 0 and not migration.is_newer(obj)
+    return not migration.is_newer(obj)
 
 
 def is_joined(owners: Indices) -> bool:
@@ -107,17 +119,6 @@ def forget() -> None:
     _meshes.clear()
     _keyed.clear()
     _inbetweens.clear()
-
-
-def _concerned(obj: bpy.types.Object) -> bool:
-    if obj.type != "MESH" or obj.mode not in {"OBJECT", "WEIGHT_PAINT"} or not len(obj.data.vertices):
-        return False
-    mesh = obj.data
-    if obj.library is not None or mesh.library is not None or mesh.override_library is not None:
-        return False
-    if rest_shape.owners_of(mesh) is None and rest_shape.stored_of(mesh) is None:
-        return obj.is_property_set("planar") and len(obj.planar.pins) > 0 and not migration.is_newer(obj)
-    return not migration.is_newer(obj)
 
 
 def _owners(mesh: bpy.types.Mesh) -> Indices:

@@ -15,6 +15,8 @@ def follow(obj: bpy.types.Object) -> None:
     if pinned:
         joining.undone(obj)
         pin_list.sync(obj)
+    if not mesh_edits.is_followed(obj):
+        return
     joined = mesh_edits.follow(obj)
     if joined:
         joining.take_in(obj, joined)

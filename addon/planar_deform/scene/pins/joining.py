@@ -36,12 +36,14 @@ class _Pin:
 
 
 _lists: dict[int, list[_Pin]] = {}  # by owner
+_stiffness: dict[int, str] = {}  # by owner, the group in which it is painted
 
 
 def remember(obj: bpy.types.Object) -> None:
     """Keep the pins of an object, for when it is joined to another."""
     owner = mesh_edits.owner_of(obj.data)
     if owner:
+        _stiffness[owner] = obj.planar.stiffness_group
         _lists[owner] = [_remembered(pin, obj.planar.pin_weight) for pin in obj.planar.pins]
 
 
@@ -70,6 +72,7 @@ def take_in(obj: bpy.types.Object, joined: Mapping[int, Joined]) -> None:
             if mine.any():
                 alone = bool(mine.all()) and pin.group not in used
                 _add(obj, pin, part, owner, None if alone else (vertices[mine], weights[mine]))
+        _add_stiffness(obj, _stiffness.get(owner, ""), part)
     held = pin_list.groups_of(obj)
     for name in {pin.group for _, pin in pins if pin.owned} - held:
         group = obj.vertex_groups.get(name)
@@ -97,6 +100,19 @@ def undone(obj: bpy.types.Object) -> None:
 def forget() -> None:
     """Of another file nothing is known."""
     _lists.clear()
+    _stiffness.clear()
+
+
+def _add_stiffness(obj: bpy.types.Object, name: str, part: Joined) -> None:
+    """What has been joined stays as stiff as it was painted."""
+    settings, found = obj.planar, members(obj, [name]).get(name)
+    if found is None or settings.stiffness_group == name:
+        return
+    if settings.stiffness_group not in obj.vertex_groups:
+        settings.stiffness_group = name
+        return
+    mine = part.rows[found[0]]
+    pin_list.fill(obj.vertex_groups[settings.stiffness_group], found[0][mine], found[1][mine])
 
 
 def _remembered(pin: bpy.types.PropertyGroup, weight: float) -> _Pin:

@@ -7,6 +7,9 @@ Two numbers are stored, each with what it is of:
                              the names and eval_times of the shape keys and the curve that the list is about
     Mesh.planar_version      the rest shape, which is the mesh's attributes REST and OWNER
 
+What a mesh was when it was last seen (Mesh.planar_seen, the attribute SEEN) has none: it is made anew where
+it is missing, and a version that does not know it may leave it behind.
+
 0 is what was stored before there were numbers. Whatever is stored gets its number at once; where nothing is,
 there is none. A join brings attributes without their number into a mesh that may have none: a format that
 changes them has to change their names, too.
