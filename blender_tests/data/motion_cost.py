@@ -83,6 +83,7 @@ def key(obj, turns: dict[float, float]) -> None:
     activate(obj)
     drawing = begin_shape(bpy.context)
     rest = drawing.rest
+    bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"  # as recorded
     key_poses(drawing, {frame: bent(rest, turn) for frame, turn in turns.items()})
 
 

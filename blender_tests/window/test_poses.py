@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keyed poses in the window: keyed from the panel, dragged on and off their frames, undone, played."""
 
+import contextlib
 from collections.abc import Iterator
 
 import bpy
 import numpy as np
 from cutouts import active, moved
 from harness import Window, addon
-from poses import at, go_to, key_pose, pin_place, pull, shown, three_poses
+from poses import at, go_to, key_pose, pin_place, pull, shown, stored, three_poses
 
 
 def test_three_poses_are_shown_at_their_frames_and_blended_between(window: Window) -> Iterator[None]:
@@ -138,4 +139,47 @@ def test_one_undo_after_a_frame_change_brings_an_unkeyed_pose_back(window: Windo
     assert np.array_equal(shown(), unkeyed)
     yield from key_pose(window)
     assert np.array_equal(at(13), unkeyed)
+    yield
+
+
+def type_frame(window: Window, now: int, frame: int) -> Iterator[None]:
+    """Type another frame where the list shows this one."""
+    region = window.region("UI")
+    for y in range(region.y + region.height - 40, region.y + 40, -10):
+        yield from window.move((region.x + round(0.7 * region.width), y))
+        bpy.context.window_manager.clipboard = ""
+        yield from window.key("C", ctrl=True)
+        with contextlib.suppress(ValueError):
+            if float(bpy.context.window_manager.clipboard or "nan") == now:
+                break
+    else:
+        raise AssertionError(f"the list shows no frame {now}")
+    yield from window.release("LEFT_CTRL")
+    yield from window.key("RET")
+    yield from window.type(str(frame))
+    yield from window.key("RET")
+    yield from window.wait(0.3)
+
+
+def test_frames_are_typed_into_the_list(window: Window) -> Iterator[None]:
+    def frames() -> list[float]:
+        return [pose.frame for pose in active().planar.poses]
+
+    yield from three_poses(window)
+    last = at(49)
+    bpy.ops.ed.undo_push(message="Frame")
+    yield from window.wait(0.3)
+    yield from type_frame(window, 49, 13)
+    assert frames() == [1, 13, 25]
+    assert np.array_equal(at(13), last)
+    yield from type_frame(window, 13, 40)
+    assert frames() == [1, 25, 40]
+    yield from window.undo()
+    yield from window.wait(0.3)
+    assert frames() == [1, 13, 25]
+    before = stored()
+    yield from type_frame(window, 13, 25)
+    window.picture("refused")
+    yield from window.key("ESC")  # the message
+    assert stored() == before
     yield

@@ -185,3 +185,96 @@ def test_started_again_while_it_records_it_keeps_the_motion(window: Window) -> I
     assert len(keyed_frames()) >= 6
     assert window.busy == []
     assert addon("operators.modal.running").now() is None
+
+
+def range_of(first: int, last: int) -> None:
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = first, last
+
+
+def test_it_ends_at_the_end_of_the_range(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    range_of(1, 15)
+    bpy.context.scene.frame_set(5)
+    yield from start(window)
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    yield from window.move(window.pixel((1.5, 0.0, 0.6)), steps=4)
+    yield from done(window)
+    assert keyed_frames() == list(range(5, 16))
+    assert bpy.context.scene.frame_current == 15
+    yield from window.release()
+    assert window.busy == []
+    yield from window.undo()
+    assert active().data.shape_keys is None, "one undo step"
+
+
+def test_beyond_the_range_it_goes_on(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    range_of(1, 4)
+    bpy.context.scene.frame_set(4)
+    yield from start(window)
+    yield from up_and_on(window, 6)
+    yield from window.release()
+    yield from done(window)
+    assert keyed_frames()[:7] == list(range(4, 11))
+
+
+def test_in_a_loop_the_last_time_counts(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    range_of(1, 10)
+    active().planar.record_loop = True
+    bpy.context.scene.render.fps = 4
+    yield from start(window)
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    scene, seen = bpy.context.scene, []
+    while len(seen) < 2 or not (seen[-1] > 4 and any(np.diff(seen) < 0)):
+        seen.append(scene.frame_current)
+        yield from window.move(window.pixel((1.5, 0.0, 0.6 if any(np.diff(seen) < 0) else 0.05)))
+    yield from window.release()
+    yield from done(window)
+    assert keyed_frames() == list(range(1, 11))
+    heights = []
+    for frame in (3, 9):
+        scene.frame_set(frame)
+        heights.append(shown()[np.argmin(np.abs(shape() - np.array(RIGHT)).sum(axis=1)), 2])
+    assert heights[0] > 0.3 > heights[1], heights
+
+
+def acted(window: Window, place: tuple[float, float, float], dz: float) -> Iterator[None]:
+    """Record from the first frame to the end of the range, which ends it, with a pin on its way up or down."""
+    scene, (x, y, z) = bpy.context.scene, place
+    scene.frame_set(1)
+    yield from start(window)
+    yield from window.hover(window.pixel(place))
+    yield from window.press()
+    for _ in range(100):
+        if scene.frame_current >= scene.frame_end - 1 or window.busy == []:
+            break
+        yield from window.move(window.pixel((x, y, z + dz * scene.frame_current)))
+    window.picture("layer")
+    yield from done(window)
+    yield from window.release()
+
+
+def test_a_second_recording_plays_the_first(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    range_of(1, 10)
+    bpy.context.scene.render.fps = 4
+    right, left = (np.argmin(np.abs(shape() - np.array(place)).sum(axis=1)) for place in (RIGHT, LEFT))
+
+    def heights(vertex: int) -> list[float]:
+        found = []
+        for frame in range(1, 11):
+            bpy.context.scene.frame_set(frame)
+            found.append(float(shown()[vertex, 2]))
+        return found
+
+    yield from acted(window, RIGHT, 0.06)
+    first = heights(right)
+    assert first[-1] > 0.3, first
+    yield from acted(window, LEFT, -0.06)
+    assert keyed_frames() == list(range(1, 11))
+    assert np.abs(np.array(heights(right)) - first).max() < 0.02
+    assert heights(left)[-1] < -0.3
+    yield

@@ -72,6 +72,38 @@ def slowly(seconds: float = 0.5) -> Iterator[None]:
         posing.move, posing.settled = move, settled
 
 
+@contextlib.contextmanager
+def timed() -> Iterator[list[float]]:
+    """How long each event takes."""
+    interactive = addon("operators.modal.session").Interactive
+    times: list[float] = []
+    original = interactive.modal
+
+    def modal(self, context, event):
+        start = time.perf_counter()
+        result = original(self, context, event)
+        times.append(time.perf_counter() - start)
+        return result
+
+    interactive.modal = modal
+    try:
+        yield times
+    finally:
+        interactive.modal = original
+
+
+@contextlib.contextmanager
+def all_slowly(seconds: float) -> Iterator[None]:
+    """Let each sample take so long."""
+    posing = addon("model.posing.posing").Posing
+    move = posing.move
+    posing.move = lambda self, *sample: (time.sleep(seconds), move(self, *sample))[1]
+    try:
+        yield
+    finally:
+        posing.move = move
+
+
 def test_the_drawing_settles_after_the_release_without_a_jump(window: Window) -> Iterator[None]:
     yield from large(window)
     with slowly():
@@ -94,22 +126,9 @@ def test_the_drawing_settles_after_the_release_without_a_jump(window: Window) ->
 
 def test_a_release_does_not_hold_the_window_up(window: Window) -> Iterator[None]:
     yield from large(window, 100)
-    interactive = addon("operators.modal.session").Interactive
-    times = []
-    original = interactive.modal
-
-    def timed(self, context, event):
-        start = time.perf_counter()
-        result = original(self, context, event)
-        times.append(time.perf_counter() - start)
-        return result
-
-    interactive.modal = timed
-    try:
+    with timed() as times:
         yield from flick(window, 1, -1.0, 1.2)
         yield from window.settled()
-    finally:
-        interactive.modal = original
     assert len(times) > 5
     assert max(times) < 0.1, max(times)
 
@@ -212,11 +231,65 @@ def test_typed_values_are_reached_even_when_the_next_key_comes_at_once(window: W
     yield from window.key("TAB")
     yield from window.type("-0.75")
     yield from window.key("RET")
-    yield from window.key("G")
-    yield from window.key("ESC")
+    yield from window.key("G")  # comes too early, or begins the next move
+    yield from window.settled()
+    if window.busy:
+        yield from window.key("ESC")
     assert window.busy == []
     assert tuple(last().properties.offset) == (0.5, -0.75)
     assert np.allclose(place(1), (2.0, 0.0, -0.75), atol=0.02), place(1)
+
+
+def test_no_press_waits_for_a_typed_value(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.click(window.pixel(RIGHT))
+    with all_slowly(0.3), timed() as times:
+        yield from window.key("G")
+        yield from window.type("0.5")
+        yield from window.wait(0.4)
+        assert session().progress.startswith("Solving: "), session().progress
+        yield from window.key("RET")
+        yield from window.key("A")
+        yield from window.press()
+        yield from window.release()
+        assert session().progress.endswith("Cancel")
+        window.picture("typed")
+        yield from window.settled()
+    assert window.busy == []
+    assert last().bl_idname == "PLANAR_OT_drag_pins"
+    assert tuple(last().properties.offset) == (0.5, 0.0)
+    assert np.allclose(place(1), (2.0, 0.0, 0.0), atol=0.02), place(1)
+    assert max(times) < 0.095, max(times)
+
+
+def test_until_it_is_reached_a_typed_value_can_be_taken_back(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.click(window.pixel(RIGHT))
+    before, pins = shape(), pin_data()
+    with all_slowly(0.3):
+        yield from window.key("G")
+        yield from window.type("0.5")
+        yield from window.key("RET")
+        yield from window.wait(0.3)
+        yield from window.key("ESC")
+        assert window.busy == []
+        yield from window.wait(0.3)
+    assert np.array_equal(shape(), before)
+    assert pin_data() == pins
+
+
+def test_a_press_before_anything_is_solved_takes_nothing_back(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    with all_slowly(0.6), timed() as times:
+        yield from flick(window, 1, 0.3, 0.3)
+        yield from window.key("A")
+        assert window.busy == ["PLANAR_OT_drag_pins"]
+        while session() is not None and session().shown is None:
+            yield
+        yield from window.key("A")
+        assert window.busy == []
+    assert moved(np.array(place(1)), np.array(RIGHT)) > 0.1
+    assert max(times) < 0.095, max(times)
 
 
 def test_a_script_s_action_during_settling_ends_it(window: Window) -> Iterator[None]:

@@ -145,6 +145,8 @@ class PinTransform(Interactive):
             return self._confirm()
         if event.type in CONFIRM and pressed:
             return self._confirm()
+        if event.type == "TIMER":
+            self._session.tell_progress(context)
         if event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}
         if self._drag is None and not self._dragged(context, event):
@@ -162,8 +164,8 @@ class PinTransform(Interactive):
                 self._session.retrace(self.edited([], self._posing.drawing.frame))
             else:
                 self._session.ask(drag.sample)
-        if drag.text != self._drag.text and context.area is not None:
-            context.area.header_text_set(drag.text)
+        if drag.text != self._drag.text:
+            self._session.say(context, drag.text)
         self._drag = drag
         return {"RUNNING_MODAL"}
 

@@ -152,6 +152,7 @@ class PlanarPose(bpy.types.PropertyGroup):
     # Of the way to the next pose, see inbetweens/planning.py.
     generated: IntProperty(options={"HIDDEN"})  # how many eval_times belong to generated shapes
     stamp: StringProperty(options={"HIDDEN"})  # what they were made from
+    made_with: StringProperty(options={"HIDDEN"})  # and with, see sequence/conditions.py
     edited: BoolProperty(options={"HIDDEN"})  # whether they have been changed since
     turns: IntProperty(
         name="Extra Turns",

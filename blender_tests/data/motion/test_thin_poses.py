@@ -153,3 +153,14 @@ def test_one_undo_step_and_the_last_shape_stays_in_view():
     assert stored(bpy.data.objects["Cutout"]) == before
     bpy.ops.ed.redo()
     assert stored(bpy.data.objects["Cutout"]) == after
+
+
+def test_pins_go_on_holding_what_is_shown():
+    obj = recorded()
+    frame = bpy.context.scene.frame_current
+    assert bpy.ops.planar.thin_poses() == {"FINISHED"}
+    for at in (frame, frame - 7):
+        bpy.context.scene.frame_set(at)
+        before = evaluated(obj)
+        assert bpy.ops.planar.drag_pins(offset=(0.0, 0.0)) == {"FINISHED"}
+        assert evaluated(obj) == pytest.approx(before, abs=0.01)

@@ -248,3 +248,30 @@ def test_outlines():
     assert transfer(source, target) == {"FINISHED"}
     for frame in range(1, 10):
         assert shown_at(target, frame) * [-1, 1, 1] == pytest.approx(shown_at(source, frame), abs=1e-5)
+
+
+def test_a_twin_without_pins_gets_those_of_the_source():
+    from planar_deform.scene.sequence import stretches
+
+    source = filled(name="Source", plane="XZ")
+    add_pins(source, [30, 31], kind="PATCH")
+    source.planar.pins[2].name, source.planar.pins[0].enabled = "Tail", False
+    source.vertex_groups[source.planar.pins[2].group].add([30], 0.25, "REPLACE")
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    target, pinned = twin(source), twin(source, name="Pinned")
+    add_pins(pinned, [5])
+    assert transfer(source, target, pinned) == {"FINISHED"}
+    assert [pin.name for pin in target.planar.pins] == [pin.name for pin in source.planar.pins]
+    assert [pin.enabled for pin in target.planar.pins] == [False, True, True]
+    assert target.planar.pins[2].kind == "PATCH"
+    group = target.vertex_groups[target.planar.pins[2].group]
+    assert (group.weight(30), group.weight(31)) == (0.25, 1.0)
+    assert len(pinned.planar.pins) == 1
+    assert stretches.stale(target) == stretches.stale(pinned) == []
+    activate(target)
+    bpy.context.scene.frame_set(13)
+    for index, pin in enumerate(target.planar.pins):
+        pin.select = index == 1
+    before = evaluated(target)[38]
+    assert bpy.ops.planar.drag_pins(offset=(0.1, 0.0)) == {"FINISHED"}
+    assert evaluated(target)[38] - before == pytest.approx([0.1, 0.0, 0.0], abs=0.02)

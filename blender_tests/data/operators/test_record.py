@@ -193,3 +193,16 @@ def test_layers_from_a_frame_that_is_shown_unkeyed_begin_there():
     assert bpy.ops.planar.drag_pins(offset=(0.0, 0.2)) == {"FINISHED"}
     assert record(np.zeros((6, 3)), smoothing=0.0) == {"FINISHED"}
     assert keyed_frames(obj) == list(range(1, 22))
+
+
+def test_the_preview_range_is_the_range():
+    from planar_deform.operators.record import _frames_left
+
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 20
+    scene.frame_set(5)
+    assert _frames_left(scene) == 16
+    scene.use_preview_range, scene.frame_preview_start, scene.frame_preview_end = True, 3, 9
+    assert _frames_left(scene) == 5
+    scene.frame_set(9)
+    assert _frames_left(scene) is None

@@ -78,6 +78,18 @@ class Solving:
             return solved
 
     @property
+    def owing(self) -> bool:
+        """Whether something that was asked for is not solved."""
+        with self._changed:
+            return self._owing
+
+    @property
+    def left(self) -> int:
+        """How many samples of a path have not been begun."""
+        with self._changed:
+            return len(self._route)
+
+    @property
     def settled(self) -> bool:
         """Whether everything that was asked for is solved, refined, and given by `newest`."""
         with self._changed:

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .played_curve import Visit, whole_frames
+from .played_curve import SAME_FRAME, Visit, whole_frames
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,16 @@ def in_order(count: int, visits: Sequence[Visit]) -> list[Entry]:
             frame = visit.last + step * index
             entries.append(Entry(block, frame, frame, passed=True))
     return entries
+
+
+def durations(entries: Sequence[Entry]) -> list[float]:
+    """How long the way from each of these entries to the next takes, in frames; all of them are played."""
+    found = []
+    for before, after in itertools.pairwise(entries):
+        assert before.last is not None
+        assert after.first is not None
+        found.append(max(after.first - before.last, SAME_FRAME))
+    return found
 
 
 def frames_between(before: Entry, after: Entry) -> int:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -21,7 +22,7 @@ from ...scene.pins import pin_list
 from ...scene.view import snapshot
 from .. import keying
 
-SHORT = 50  # samples of a path that needs no progress shown
+NOTICED = 0.1  # seconds after which progress is shown
 
 
 def selection_on_press(selected: set[int], pin: int, extend: bool) -> set[int]:
@@ -130,17 +131,18 @@ class ObjectPosing:
     ) -> None:
         """Solve a path, here and now, and tell `seen` of each sample; nothing is written. Raises Refusal.
 
-        A long path, which only a drag in a window can have recorded, shows its progress at the mouse.
+        What takes longer than a moment shows its progress at the mouse.
         """
         solving.halt()
         manager = bpy.context.window_manager
         manager.progress_begin(0, len(path))
+        began = time.perf_counter()
         try:
             for count, sample in enumerate(path):
                 self.model.move(*sample)
                 if seen is not None:
                     seen(self.model.solved())
-                if len(path) > SHORT:
+                if time.perf_counter() - began > NOTICED:
                     manager.progress_update(count)
             if settle:
                 self.model.settle()

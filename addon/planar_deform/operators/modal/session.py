@@ -8,6 +8,7 @@ is taken back, and whatever else the user does ends it with what is shown.
 from __future__ import annotations
 
 import contextlib
+import time
 import traceback
 from collections.abc import Callable
 
@@ -19,7 +20,7 @@ from ...model.posing.posing import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
 from ...scene.view import snapshot
 from . import running
-from .object_posing import ObjectPosing
+from .object_posing import NOTICED, ObjectPosing
 
 RATE = 1 / 120  # seconds between two looks at what the thread has solved
 # Seconds that an event may wait for the last sample: mostly it is solved by then, and the window goes on.
@@ -41,6 +42,8 @@ class Session:
         self.ended = False
         self._solving: Solving | None = None
         self._complete = False  # the last thing asked for is a way that must be gone to its end
+        self._asked, self._length = time.perf_counter(), 0  # when that was, and how many samples it has
+        self._text = self._told = ""  # the header's, without and with the progress
         self.clock = running.Clock(context, RATE)
         running.start(self)
         put_up(context, keys)
@@ -53,6 +56,7 @@ class Session:
     def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
         """Go along this path from the start instead; the thread tells `seen` of each sample."""
         self._complete = True
+        self._asked, self._length = time.perf_counter(), len(path)
         self._thread.retrace(path, seen)
 
     def release(self) -> None:
@@ -62,7 +66,7 @@ class Session:
         if self._solving is not None:
             self._solving.hurry()
         self.show()
-        if self.shown is not None:
+        if self.shown is not None and self.whole:
             self.posing.keep(self.shown)
 
     def show(self, *, again: bool = False) -> None:
@@ -87,14 +91,38 @@ class Session:
         """Whether there is nothing left to solve or to show."""
         return self._solving is None or self._solving.settled
 
-    def catch_up(self) -> None:
-        """Show what was asked for last, if that takes but a moment.
+    @property
+    def whole(self) -> bool:
+        """Whether it can end with what is shown: with something, and not on the way to a typed value."""
+        return self.shown is not None and not (self._complete and self._thread.owing)
 
-        A typed value is waited for, and so is the first sample: without it there is nothing to end with.
-        """
+    def catch_up(self) -> bool:
+        """Show what was asked for last, if that takes but a moment; whether it can end with what is shown."""
         if self._solving is not None:
-            self._solving.wait(None if self._complete or self.shown is None else PATIENCE)
+            self._solving.wait(PATIENCE)
         self.show()
+        return self.whole
+
+    def say(self, context: bpy.types.Context, text: str) -> None:
+        """Tell in the header where the drag is."""
+        self._text = text
+        self.tell_progress(context)
+
+    def tell_progress(self, context: bpy.types.Context) -> None:
+        """Tell in the header how far it is on the way to a typed value, if that takes more than a moment."""
+        told = "   ".join(part for part in (self._text, self.progress) if part)
+        if told != self._told and context.area is not None:
+            self._told = told
+            context.area.header_text_set(told or None)
+
+    @property
+    def progress(self) -> str:
+        """How far it is, and what can be pressed meanwhile; empty where nobody has to wait."""
+        waited = self.released if self.shown is None else self._complete
+        if self.whole or not waited or time.perf_counter() - self._asked < NOTICED:
+            return ""
+        share = 1.0 - self._thread.left / self._length if self._length else 0.0
+        return f"Solving: {share:.0%}" + ("   Esc or RMB: Cancel" if self.released else "")
 
     def end(self) -> None:
         """Nothing more is solved or shown."""
@@ -116,7 +144,9 @@ class Session:
 
     def give_way(self) -> None:
         """See running.Run."""
-        if not self.released or self.shown is None:
+        with contextlib.suppress(ObjectGone, Refusal, StoppedError, native.SolveError):
+            self.show()
+        if not self.released or self.shown is None or not self.whole:
             self.take_back()
             return
         self.end()
@@ -211,8 +241,12 @@ class Interactive:
                 and not event.type.startswith(PASSED_ON)
                 and event.type not in MODIFIERS
             ):
-                session.catch_up()
-                return self.finish() | {"PASS_THROUGH"}
+                if session.catch_up():
+                    return self.finish() | {"PASS_THROUGH"}
+                # What there is to see of it is not what was asked for: it goes on to that, or not at all.
+                return self.stop() if event.type in {"ESC", "RIGHTMOUSE"} else {"RUNNING_MODAL"}
+            if event.type == "TIMER":
+                session.tell_progress(context)
             return self.finish() if session.settled else {"PASS_THROUGH"}
         except (ObjectGone, StoppedError):
             self.leave()
@@ -233,7 +267,7 @@ class Interactive:
         """End it early: taken back, unless it has been released."""
         session = self._session
         if not session.ended:
-            if session.released and session.shown is not None:
+            if session.released and session.whole:
                 with contextlib.suppress(ObjectGone):
                     return self.finish()
             session.take_back()

@@ -20,8 +20,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array32, Indices
-from ...model.timing.order_of_time import Entry, even, frames_between
-from ...model.timing.played_curve import SAME_FRAME
+from ...model.timing.order_of_time import Entry, durations, even, frames_between
 from ..objects.any_object import AnyObject, shape_refusal
 from ..objects.cutout_object import CutoutObject
 from ..pins import pin_list
@@ -90,7 +89,7 @@ def plan(
         result.path = path
     if smooth is not None:
         result.smooth = smooth
-    result.times = _times(entries_played)
+    result.times = [0.0, *itertools.accumulate(durations(entries_played))]
     result.entries, result.first = entries, played[0]
     result.starts, result.dropped = starts, sorted(dropped)
     for transition, (before, after) in enumerate(itertools.pairwise(entries_played)):
@@ -148,15 +147,6 @@ def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[Indices]:
         if pin.enabled
         for part in np.unique(drawing.parts[pin.vertices])
     ]
-
-
-def _times(entries: Sequence[Entry]) -> list[float]:
-    times = [0.0]
-    for before, after in itertools.pairwise(entries):
-        assert before.last is not None  # all of these are played
-        assert after.first is not None
-        times.append(times[-1] + max(after.first - before.last, SAME_FRAME))
-    return times
 
 
 def _stays(

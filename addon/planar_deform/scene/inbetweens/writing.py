@@ -24,6 +24,7 @@ from ...model.timing.played_curve import (
 )
 from ..objects.any_object import AnyObject
 from ..sequence import playback, pose_curve, pose_showing, pose_state
+from ..sequence.conditions import conditions
 from ..sequence.playback import Block, inbetween_name
 from ..sequence.pose_blocks import FIRST, SPACING, keyed, own_curve
 from ..sequence.stretches import Stamps, Stretch, stretches
@@ -73,7 +74,7 @@ def remove(obj: bpy.types.Object) -> None:
     for block in blocks:
         block.free = 0
         if block.pose is not None:
-            block.pose |= {"stamp": "", "edited": False, "order_before": 0}
+            block.pose |= {"stamp": "", "made_with": "", "edited": False, "order_before": 0}
     at = {
         block.source: eval_time
         for block, eval_time in zip(blocks, playback.eval_times_of(blocks), strict=True)
@@ -102,7 +103,8 @@ def _blocks(
     obj: bpy.types.Object, plan: Plan, found: list[Stretch], shapes: Sequence[Array]
 ) -> tuple[list[Block], list[int]]:
     """The played range to be, and which of its blocks are those of the plan's entries."""
-    stamps = Stamps(obj)
+    stamps, made = Stamps(obj), conditions(obj)
+    lasts = np.diff(plan.times).tolist()
     listed = {pose.at: pose for pose in obj.planar.poses}
     taken = {block.name for block in obj.data.shape_keys.key_blocks}
     order = [entry.block for entry in plan.entries if not entry.copy]
@@ -134,7 +136,8 @@ def _blocks(
         stamp = ""
         if count:
             stamp = stamps.of(made_of, transition, plan.turns[transition], plan.path, plan.smooth)
-        start.pose |= {"edited": False, "stamp": stamp}
+        made_with = made.of(lasts, transition, plan.smooth) if count else ""
+        start.pose |= {"edited": False, "stamp": stamp, "made_with": made_with}
         before = [] if entry.copy or len(stretch.inbetweens) != count else stretch.inbetweens
         for number in range(count):
             share = (number + 1) / (count + 1)

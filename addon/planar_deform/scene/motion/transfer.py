@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 
 import bpy
 import numpy as np
@@ -13,11 +13,13 @@ from ... import compat, native
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.work import Progress
-from ..objects.any_object import AnyObject, begin_shape, read_shape
+from ..objects.any_object import AnyObject, begin_shape, is_outline, read_shape
 from ..objects.connectivity import shape_connectivity
+from ..pins import pin_list
 from ..sequence import playback, pose_curve, pose_edit, pose_showing, pose_state, stretches
 from ..sequence.pose_blocks import played
 from ..storage.points import read_block
+from ..storage.vertex_groups import members
 
 CHUNK = 64  # frames between two looks at whether anybody still waits
 Setting = str | bool
@@ -85,6 +87,7 @@ class Transfer:
     def write(self, shapes: list[list[Array32]]) -> Generator[float, None, None]:
         """Give each receiver its sequence, a block at each step; the share done. Closed before: as it was."""
         begun: list[tuple[AnyObject, list[Setting]]] = []
+        written: list[Callable[[], bpy.types.Object]] = []
         try:
             for count, (receiver, own) in enumerate(zip(self._receivers, shapes, strict=True)):
                 obj = receiver.resolve()
@@ -97,10 +100,21 @@ class Transfer:
                 for share in playback.relay(obj, blocks, self._play):
                     yield (count + share) / len(shapes)
                 pose_showing.show_frame(obj)
+                written.append(playback.finder(obj))
         except BaseException:
             for receiver, settings in begun:
                 _take_back(receiver, settings)
             raise
+        for find in written:
+            self._finish(find())
+
+    def _finish(self, obj: bpy.types.Object) -> None:
+        """Give a receiver without pins those of the source; what is generated is as the source's is."""
+        if not is_outline(obj) and not obj.planar.pins:
+            _pin_alike(self._source.resolve(), obj)
+        for index, pose in enumerate(obj.planar.poses):
+            if index not in self._stale:
+                stretches.mark(obj, [index], edited=pose.edited)
 
     def _play(self, obj: bpy.types.Object, *_: Array) -> None:
         """Give a receiver that has all blocks the source's timing and settings."""
@@ -114,9 +128,20 @@ class Transfer:
         obj.planar.active_pose = source.planar.active_pose
         for name in SETTINGS:
             setattr(obj.planar, name, getattr(source.planar, name))
-        for index, pose in enumerate(obj.planar.poses):
-            if index not in self._stale:
-                stretches.mark(obj, [index], edited=pose.edited)
+
+
+def _pin_alike(source: bpy.types.Object, obj: bpy.types.Object) -> None:
+    """Give an object without pins those of another one that is built alike: it can be posed on at once."""
+    groups = members(source, pin_list.groups_of(source))
+    for pin in source.planar.pins:
+        rows, weights = groups.get(pin.group, ((), ()))
+        copy = pin_list.add_on_vertices(obj, [int(row) for row in rows], pin.kind)
+        group = obj.vertex_groups[copy.group]
+        for row, weight in zip(rows, weights, strict=True):
+            group.add([int(row)], float(weight), "REPLACE")
+        for name in ("name", "enabled", "weight"):
+            setattr(copy, name, getattr(pin, name))
+    obj.planar.active_pin = source.planar.active_pin
 
 
 def _take_back(receiver: AnyObject, settings: list[Setting]) -> None:

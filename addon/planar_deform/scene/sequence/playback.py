@@ -234,8 +234,8 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
 def _write_list(obj: bpy.types.Object, listed: Sequence[tuple[float, Record]]) -> None:
     """Let the list have these poses, by their eval_times.
 
-    What it has already becomes other poses and stays in memory: this may be done while Blender sets a
-    property of one of them.
+    What it has becomes other poses and stays in memory: this may be done while Blender sets a property of one
+    of them.
     """
     poses = obj.planar.poses
     while len(poses) < len(listed):

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...model.timing.order_of_time import Entry, frames_between, in_order
+from ...model.timing.order_of_time import Entry, durations, frames_between, in_order
 from ...model.timing.played_curve import SAME_EVAL_TIME, visits
 from ..storage.digests import digest, of_block
 from ..storage.points import bits
-from . import pose_state
+from . import conditions, pose_state
 from .playback import Block, blocks_of, whole
 from .pose_blocks import SPACING, block_at, eval_times, keyed
 
@@ -104,6 +104,15 @@ def stale(obj: bpy.types.Object) -> list[tuple[int, int]]:
     ]
 
 
+def why_stale(obj: bpy.types.Object, pose: int) -> list[str]:
+    """What beside the poses has changed since in-betweens were generated behind this one (its index)."""
+    played = _Played(obj)
+    numbers = [number for number, entry in enumerate(played.entries) if played.indices[entry.block] == pose]
+    return (
+        conditions.changed(obj.planar.poses[pose].made_with, played.made_with(numbers[0])) if numbers else []
+    )
+
+
 def mark(obj: bpy.types.Object, poses: Iterable[int], *, edited: bool) -> None:
     """Make what is generated behind these poses (indices) belong to the poses as they are now."""
     played = _Played(obj)
@@ -111,6 +120,7 @@ def mark(obj: bpy.types.Object, poses: Iterable[int], *, edited: bool) -> None:
         pose = played.poses[entry.block]
         if played.indices[entry.block] in poses and pose.generated:
             pose.stamp, pose.edited = played.stamp(number), edited
+            pose.made_with = played.made_with(number)
 
 
 class _Played:
@@ -125,6 +135,8 @@ class _Played:
         self.poses = [obj.planar.poses[index] for index in self.indices]
         entries = entries_of(obj, [pose.at for pose in self.poses])
         self.entries = [entry for entry in entries if entry.first is not None]
+        self._conditions = conditions.conditions(obj)
+        self._durations = durations(self.entries)
         played = [self.poses[entry.block] for entry in self.entries]
         self._digests = [self._stamps.shown(pose) for pose in played]
         self._renewed = [
@@ -135,6 +147,10 @@ class _Played:
         """Of what would be generated behind an entry now."""
         turns = self.poses[self.entries[number].block].turns
         return self._stamps.of(self._digests, number, turns, *self._way)
+
+    def made_with(self, number: int) -> str:
+        """With what it would be generated behind an entry now."""
+        return self._conditions.of(self._durations, number, self._way[1])
 
     def fresh(self, number: int, before: Entry, after: Entry) -> bool:
         """Whether generating again would change nothing behind an entry."""
@@ -152,6 +168,7 @@ class _Played:
             # Generated blocks have been removed by hand; or there are blocks of the user, and nothing else.
             return len(between) > 0 and not np.isin(between, generated).any()
         if pose.generated:
-            return bool(pose.stamp == self.stamp(number))
+            as_it_was = not conditions.changed(pose.made_with, self.made_with(number))
+            return bool(pose.stamp == self.stamp(number)) and as_it_was
         same = self._digests[number] == self._digests[number + 1]
         return same or frames_between(before, after) == 0

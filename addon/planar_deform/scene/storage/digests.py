@@ -4,20 +4,38 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import bpy
 
 from . import changes
+from .vertex_groups import members
 
 CAPACITY = 8  # objects
 
-# By the object's session_uid: since when nothing has changed, and the digests by the shape key's eval_time.
-_known: dict[int, tuple[changes.Edits, dict[float, str]]] = {}
+_Of = float | tuple[str, ...]  # a shape key's eval_time, or names of vertex groups
+
+# By the object's session_uid: since when nothing has changed, and the digests.
+_known: dict[int, tuple[changes.Edits, dict[_Of, str]]] = {}
 
 
 def of_block(obj: bpy.types.Object, eval_time: float, read: Callable[[], bytes]) -> str:
     """The digest of the shape key of an object at an eval_time; `read` gives its bits."""
+    return _of(obj, eval_time, read)
+
+
+def of_groups(obj: bpy.types.Object, names: Iterable[str]) -> str:
+    """The digest of which vertices are in these vertex groups, with any weight; their names do not count."""
+    chosen = tuple(sorted(set(names)))
+
+    def read() -> bytes:
+        groups = [rows[weights > 0.0].tobytes() for rows, weights in members(obj, chosen).values()]
+        return b"|".join(sorted(groups))
+
+    return _of(obj, chosen, read)
+
+
+def _of(obj: bpy.types.Object, what: _Of, read: Callable[[], bytes]) -> str:
     edits, known = changes.edits(obj), _known.pop(obj.session_uid, None)
     if known is None or known[0] != edits:
         known = edits, {}
@@ -25,9 +43,9 @@ def of_block(obj: bpy.types.Object, eval_time: float, read: Callable[[], bytes])
             _known.pop(next(iter(_known)))
     _known[obj.session_uid] = known  # as the last one asked for
     digests = known[1]
-    if eval_time not in digests:
-        digests[eval_time] = digest(read())
-    return digests[eval_time]
+    if what not in digests:
+        digests[what] = digest(read())
+    return digests[what]
 
 
 def digest(data: bytes) -> str:

@@ -178,7 +178,10 @@ def _stale_note(obj: bpy.types.Object, stale: list[tuple[int, int]]) -> str | No
     if not stale:
         return None
     poses = obj.planar.poses
-    ways = [f"{poses[before].name} to {poses[after].name}" for before, after in stale[:3]]
+    ways = []
+    for before, after in stale[:3]:
+        why = ", ".join(stretches.why_stale(obj, before))
+        ways.append(f"{poses[before].name} to {poses[after].name}" + (f" ({why})" if why else ""))
     more = f" and {len(stale) - 3} more" if len(stale) > 3 else ""
     return f"Out of date: {', '.join(ways)}{more}. Generate In-Betweens fills them anew"
 

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What in-betweens are made with beside their poses: pins, the object's scale, with Smooth the timing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ... import compat
+from ..storage import digests
+
+WHAT = ("pins", "scale", "timing")
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Of an object, in short."""
+
+    pins: str  # which vertices the enabled ones hold
+    scale: str  # in the plane, of the object alone; empty while it is animated
+
+    def of(self, durations: Sequence[float], transition: int, smooth: bool) -> str:
+        """Those of a transition among others that last so many frames."""
+        timing = ""
+        if smooth:  # then the speed at the poses depends on how long the neighbours take
+            around = np.asarray(durations[max(0, transition - 1) : transition + 2], float)
+            shares = np.round(around / around.sum(), 3)
+            timing = " ".join(f"{share:g}" for share in shares)
+        return "|".join((self.pins, self.scale, timing))
+
+
+def conditions(obj: bpy.types.Object) -> Conditions:
+    """Cheap as long as the object's vertex groups stay what they are."""
+    pins = [pin.group for pin in obj.planar.pins if pin.enabled] if obj.type == "MESH" else []
+    return Conditions(digests.of_groups(obj, pins) if pins else "", _scale(obj))
+
+
+def changed(then: str, now: str) -> list[str]:
+    """What of the conditions is another than it was; nothing where it is not known."""
+    pairs = zip(WHAT, then.split("|"), now.split("|"), strict=False)
+    return [what for what, before, after in pairs if then and before != after]
+
+
+def _scale(obj: bpy.types.Object) -> str:
+    if any(
+        curve.data_path in {"scale", "delta_scale"} for curve in compat.curves_of(obj.animation_data) or ()
+    ):
+        return ""
+    corners = np.array(obj.bound_box)
+    extent = corners.max(axis=0) - corners.min(axis=0)
+    sizes = np.abs(np.array(obj.scale) * np.array(obj.delta_scale))[extent > 1e-6 * extent.max()]
+    # As large as it is does not count, only how it is stretched.
+    return " ".join(f"{share:.3f}" for share in sizes / sizes.max()) if len(sizes) and sizes.max() else ""
