@@ -13,15 +13,15 @@ namespace py = pybind11;
 namespace planar::python {
 namespace {
 
-py::array_t<double> py_transfer_motion(py::handle frames, py::handle target, py::handle triangles,
+py::array_t<double> py_transfer_motion(py::handle frames, py::handle shape, py::handle triangles,
                                        py::handle edges) {
   const std::vector<Points> source = to_shapes("frames", frames);
-  const Points shape = to_points("target", target);
+  const Points first = to_points("shape", shape);
   const Elements elements = to_elements(triangles, edges);
   std::vector<Points> result;
   {
     const py::gil_scoped_release unlocked;
-    result = std::visit([&](const auto& e) { return transfer_motion(source, shape, e); }, elements);
+    result = std::visit([&](const auto& e) { return transfer_motion(source, first, e); }, elements);
   }
   return frames_array(result, vertices_of(source));
 }
@@ -29,14 +29,14 @@ py::array_t<double> py_transfer_motion(py::handle frames, py::handle target, py:
 }  // namespace
 
 void bind_transfer(py::module_& m) {
-  m.def("transfer_motion", &py_transfer_motion, py::arg("frames"), py::arg("target"), py::kw_only(),
+  m.def("transfer_motion", &py_transfer_motion, py::arg("frames"), py::arg("shape"), py::kw_only(),
         py::arg("triangles") = py::none(), py::arg("edges") = py::none(),
-        R"(transfer_motion(frames, target, *, triangles=None, edges=None)
+        R"(transfer_motion(frames, shape, *, triangles=None, edges=None)
 
-The motion of frames, made by another shape of the same connectivity [AIAP, section 5.1].
+The motion of frames, made by another drawing of the same connectivity [AIAP, section 5.1].
 
-frames f x n x 2; target n x 2, the other shape where the source is frames[0]; one of triangles m x 3 and edges m x 2.
-Returns f x n x 2, the first of which is target. Raises ValueError and SolveError.)");
+frames f x n x 2; shape n x 2, that of the other drawing where the source is frames[0]; one of triangles m x 3 and edges m x 2.
+Returns f x n x 2, the first of which is shape. Raises ValueError and SolveError.)");
 }
 
 }  // namespace planar::python

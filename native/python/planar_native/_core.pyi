@@ -129,7 +129,7 @@ class Inbetweens:
 
 def transfer_motion(
     frames: ArrayLike,
-    target: ArrayLike,
+    shape: ArrayLike,
     *,
     triangles: ArrayLike | None = None,
     edges: ArrayLike | None = None,

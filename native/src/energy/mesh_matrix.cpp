@@ -11,26 +11,26 @@ namespace {
 
 constexpr int spare_room = 8;
 
-std::vector<int> places(const Mesh& mesh, const std::vector<int>& kept) {
-  std::vector<int> place(at(mesh.n_vertices), -1);
-  for (std::size_t i = 0; i < kept.size(); ++i) place[at(kept[i])] = static_cast<int>(i);
-  return place;
+std::vector<int> slots_of(const Mesh& mesh, const std::vector<int>& kept) {
+  std::vector<int> slot(at(mesh.n_vertices), -1);
+  for (std::size_t i = 0; i < kept.size(); ++i) slot[at(kept[i])] = static_cast<int>(i);
+  return slot;
 }
 
 }  // namespace
 
 SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
-  const std::vector<int> place = places(mesh, kept);
+  const std::vector<int> slot = slots_of(mesh, kept);
   std::vector<std::array<int, 2>> edges;
   const auto couple = [&](int a, int b) {
-    if (place[at(a)] >= 0 && place[at(b)] >= 0) edges.push_back({place[at(a)], place[at(b)]});
+    if (slot[at(a)] >= 0 && slot[at(b)] >= 0) edges.push_back({slot[at(a)], slot[at(b)]});
   };
   for (const auto& edge : mesh.edges) couple(edge[0], edge[1]);
   for (const auto& brace : mesh.braces) couple(brace[1], brace[2]);
   return graph_pattern(static_cast<int>(kept.size()), edges);
 }
 
-MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : place_(places(mesh, kept)) {
+MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : slot_(slots_of(mesh, kept)) {
   const SymmetricMatrix graph = vertex_graph(mesh, kept);
   matrix_.size = 2 * graph.size;
   matrix_.column_start.push_back(0);
@@ -50,17 +50,17 @@ MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : place_(
   const int spare = static_cast<int>(matrix_.row.size());
   const auto add_corners = [&](std::array<int, 3> corner, int triangle) {
     // Fixed corners go last.
-    const auto rank = [this, &graph](int v) { return place(v) < 0 ? graph.size : place(v); };
+    const auto rank = [this, &graph](int v) { return slot(v) < 0 ? graph.size : slot(v); };
     std::sort(corner.begin(), corner.end(), [&rank](int a, int b) { return rank(a) < rank(b); });
-    if (place(corner[0]) < 0) return;
+    if (slot(corner[0]) < 0) return;
     Element element{corner, {}, {}, {}, {}, triangle, mesh.part[at(corner[0])]};
     constexpr std::array<std::array<int, 2>, 3> sides{{{0, 1}, {0, 2}, {1, 2}}};
     for (std::size_t c = 0; c < 3; ++c) {
-      const int i = place(corner[c]);
+      const int i = slot(corner[c]);
       element.diagonal[c] = i < 0 ? spare : matrix_.column_start[at(2 * i)];
       element.diagonal_y[c] = i < 0 ? spare : matrix_.column_start[at(2 * i) + 1];
-      const int later = place(corner[at(sides[c][1])]);
-      const int earlier = place(corner[at(sides[c][0])]);
+      const int later = slot(corner[at(sides[c][1])]);
+      const int earlier = slot(corner[at(sides[c][0])]);
       element.below[c] = element.below_y[c] = spare;
       if (later >= 0 && earlier >= 0) {
         element.below[c] = find_block(later, earlier);
@@ -83,11 +83,11 @@ int MeshMatrix::find_block(int later, int earlier) const {
 }
 
 void MeshMatrix::add(int a, int b, double value) {
-  const auto [earlier, later] = std::minmax({place(a), place(b)});
+  const auto [earlier, later] = std::minmax({slot(a), slot(b)});
   const int first = find_block(later, earlier);
   const int start = matrix_.column_start[at(2 * earlier)];
   const int start_y = matrix_.column_start[at(2 * earlier) + 1];
-  // The column of y misses the entry above its diagonal, so that everything is one place earlier, and y one
+  // The column of y misses the entry above its diagonal, so that everything is one entry earlier, and y one
   // row later.
   matrix_.value[at(first)] += value;
   matrix_.value[at(start_y + first - start)] += value;

@@ -9,8 +9,8 @@
 
 namespace planar {
 
-/// The graph over `kept` vertices (numbered by their place in it) that a MeshMatrix has blocks on: the mesh's
-/// edges and the missing sides of its braces.
+/// The graph over `kept` vertices (numbered by their index in it, their slot) that a MeshMatrix has blocks
+/// on: the mesh's edges and the missing sides of its braces.
 SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept);
 
 /// A symmetric matrix of 2×2 blocks over some vertices of a mesh, to be assembled triangle by triangle; the
@@ -45,14 +45,14 @@ class MeshMatrix {
 
   const SymmetricMatrix& matrix() const { return matrix_; }
 
-  /// Place of a vertex in `kept`, or -1.
-  int place(int vertex) const { return place_[static_cast<std::size_t>(vertex)]; }
+  /// Slot of a vertex: its index in `kept`, or -1.
+  int slot(int vertex) const { return slot_[static_cast<std::size_t>(vertex)]; }
 
  private:
   int find_block(int later, int earlier) const;
 
   SymmetricMatrix matrix_;
-  std::vector<int> place_;
+  std::vector<int> slot_;
   std::vector<int> kept_part_;
   std::vector<Element> elements_;
 };

@@ -130,7 +130,7 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
     ++outcome.steps;
     ++age_;
     const bool full = step.t >= 1.0 && system_.metric() != Metric::killing;
-    if (full && step.length < budget.settled && (fresh || last_length_ < unlimited)) {
+    if (full && step.length < budget.tolerance && (fresh || last_length_ < unlimited)) {
       outcome.converged = true;
       return outcome;
     }

@@ -28,9 +28,9 @@ class Newton {
   struct Budget {
     int steps;
     int factors;
-    bool ahead;      ///< the caller makes the next factor after the last step (see due()); factors get older
-    double limit;    ///< to how far a vertex may move from where it was at begin()
-    double settled;  ///< with a full step of at most this, nothing is left to do
+    bool ahead;    ///< the caller makes the next factor after the last step (see due()); factors get older
+    double limit;  ///< to how far a vertex may move from where it was at begin()
+    double tolerance;  ///< with a full step of at most this, nothing is left to do
   };
   struct Outcome {
     int iterations = 0;      ///< steps tried

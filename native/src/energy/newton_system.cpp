@@ -83,14 +83,14 @@ void NewtonSystem::solve(const Points& gradient, Points& direction) {
     if (!is_active(v)) continue;
     const Complex g =
         scale * std::conj(turn_[at(mesh_.part[at(v)])]) * Complex(gradient(v, 0), gradient(v, 1));
-    unknown_.segment<2>(2 * matrix_.place(v)) << g.real(), g.imag();
+    unknown_.segment<2>(2 * matrix_.slot(v)) << g.real(), g.imag();
   }
   solver_->solve(unknown_, unknown_);
   direction.setZero(mesh_.n_vertices, 2);
   for (int v = 0; v < mesh_.n_vertices; ++v) {
     if (!is_active(v)) continue;
-    const int place = 2 * matrix_.place(v);
-    const Complex d = turn_[at(mesh_.part[at(v)])] * Complex(unknown_[place], unknown_[place + 1]);
+    const int slot = 2 * matrix_.slot(v);
+    const Complex d = turn_[at(mesh_.part[at(v)])] * Complex(unknown_[slot], unknown_[slot + 1]);
     direction.row(v) << d.real(), d.imag();
   }
 }

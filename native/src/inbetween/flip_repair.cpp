@@ -11,8 +11,8 @@ namespace planar {
 namespace {
 
 constexpr Eigen::Index frames_per_step = 4;
-constexpr double tracked_settled = 1e-4;  // these are only where others start
-constexpr double settled = 1e-5;
+constexpr double tracked_tolerance = 1e-4;  // these are only where others start
+constexpr double tolerance = 1e-5;
 
 }  // namespace
 
@@ -30,13 +30,13 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
   if (triangles.rows() == 0) return;
   auto trackers = FrameTracker::one_a_thread(team, triangles, from, to);
   tracked_ = frames_;
-  std::vector<char> settles(frames_.size(), 1);
+  std::vector<char> converged(frames_.size(), 1);
   const auto step = [&](Eigen::Index k, Eigen::Index neighbour, std::size_t thread) {
     const Points& y = frames_[static_cast<std::size_t>(k)];
     const auto start = static_cast<std::size_t>(neighbour);
     tracked_[static_cast<std::size_t>(k)] =
-        trackers.of(thread).follow(tracked_[start], frames_[start], y, u[k], tracked_settled);
-    settles[static_cast<std::size_t>(k)] = trackers.of(thread).converged();
+        trackers.of(thread).follow(tracked_[start], frames_[start], y, u[k], tracked_tolerance);
+    converged[static_cast<std::size_t>(k)] = trackers.of(thread).converged();
   };
   // Both ways in step, so that progress can be told in this thread.
   for (Eigen::Index k = 1; k <= last / 2; ++k) {
@@ -45,13 +45,13 @@ FlipRepair::FlipRepair(const EdgeGraph& graph, const Points& from, const Points&
       way == 0 ? step(k, k - 1, thread) : step(last - k, last - k + 1, thread);
     });
   }
-  converged_ = std::all_of(settles.begin(), settles.end(), [](char does) { return does != 0; });
+  converged_ = std::all_of(converged.begin(), converged.end(), [](char does) { return does != 0; });
   trackers_ = std::make_unique<PerThread<FrameTracker>>(std::move(trackers));
 }
 
 Points FlipRepair::repaired(const Points& y, double u, std::size_t thread) const {
   const auto start = static_cast<std::size_t>(std::round(u * static_cast<double>(tracked_.size() - 1)));
-  return trackers_->of(thread).follow(tracked_[start], frames_[start], y, u, settled);
+  return trackers_->of(thread).follow(tracked_[start], frames_[start], y, u, tolerance);
 }
 
 }  // namespace planar

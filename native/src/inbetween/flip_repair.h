@@ -31,7 +31,7 @@ class FlipRepair {
 
   /// Parts that are PartCondition::hopeless.
   const std::vector<int>& hopeless_parts() const { return hopeless_; }
-  /// Whether each tracked frame settled.
+  /// Whether each tracked frame converged.
   bool converged() const { return converged_; }
 
   /// The frame at u, which is y before repair. Different threads may call it at once.

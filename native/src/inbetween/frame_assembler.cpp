@@ -26,12 +26,12 @@ Eigen::Map<Row<width>> row_of(ComplexRows& table, Eigen::Index row, Eigen::Index
 }  // namespace
 
 FrameAssembler::FrameAssembler(const EdgeGraph& graph)
-    : graph_(graph), solver_(SparseSolver::create(default_backend())), place_(graph.vertex_count()) {
+    : graph_(graph), solver_(SparseSolver::create(default_backend())), slot_(graph.vertex_count()) {
   const std::vector<int> order = solver_->fill_reducing_order(graph_pattern(graph.n_vertices, graph.edges));
-  for (int k = 0; k < graph.n_vertices; ++k) place_[at(order[at(k)])] = k;
+  for (int k = 0; k < graph.n_vertices; ++k) slot_[at(order[at(k)])] = k;
   std::vector<std::array<int, 2>> edges;
   for (const auto& [a, b] : graph.edges) {
-    const auto [earlier, later] = std::minmax({place_[at(a)], place_[at(b)]});
+    const auto [earlier, later] = std::minmax({slot_[at(a)], slot_[at(b)]});
     edges.push_back({earlier, later});
   }
   matrix_ = graph_pattern(graph.n_vertices, edges);
@@ -39,7 +39,7 @@ FrameAssembler::FrameAssembler(const EdgeGraph& graph)
   for (const auto& [earlier, later] : edges) entry_.push_back(matrix_.find(later, earlier));
   int parts_seen = 0;
   for (int v = 0; v < graph.n_vertices; ++v) {
-    diagonal_.push_back(matrix_.find(place_[at(v)], place_[at(v)]));
+    diagonal_.push_back(matrix_.find(slot_[at(v)], slot_[at(v)]));
     const int part = graph.part[at(v)];
     if (part == -1) pinned_.push_back(v);
     if (part == parts_seen) {
@@ -76,8 +76,8 @@ void FrameAssembler::solve(const ComplexRows& edges, Eigen::Index first, Complex
     const auto [a, b] = graph_.edges[i];
     const auto row = static_cast<Eigen::Index>(i);
     const Row<width> pull = weights_[row] * row_of<width>(edges, row, first);
-    Eigen::Map<Row<width>>(&x(place_[at(a)], 0)) -= pull;
-    Eigen::Map<Row<width>>(&x(place_[at(b)], 0)) += pull;
+    Eigen::Map<Row<width>>(&x(slot_[at(a)], 0)) -= pull;
+    Eigen::Map<Row<width>>(&x(slot_[at(b)], 0)) += pull;
   }
   solver_->solve(x);
   place_points<width>(x, first, points);
@@ -86,7 +86,7 @@ void FrameAssembler::solve(const ComplexRows& edges, Eigen::Index first, Complex
 template <Eigen::Index width>
 void FrameAssembler::place_points(const RightSides& x, Eigen::Index first, ComplexRows& points) const {
   for (int v = 0; v < graph_.n_vertices; ++v) {
-    row_of<width>(points, v, first) = Eigen::Map<const Row<width>>(&x(place_[at(v)], 0));
+    row_of<width>(points, v, first) = Eigen::Map<const Row<width>>(&x(slot_[at(v)], 0));
   }
 }
 
@@ -101,7 +101,7 @@ void FrameAssembler::assemble_one(const ComplexRows& edges, ComplexRows& points)
 void FrameAssembler::assemble_sums(Eigen::Index first, ComplexRows& points) const {
   RightSides x(graph_.n_vertices, 2 * lanes);
   for (int v = 0; v < graph_.n_vertices; ++v) {
-    Eigen::Map<Row<lanes>>(&x(place_[at(v)], 0)) = row_of<lanes>(points, v, first);
+    Eigen::Map<Row<lanes>>(&x(slot_[at(v)], 0)) = row_of<lanes>(points, v, first);
   }
   solver_->solve(x);
   place_points<lanes>(x, first, points);

@@ -42,7 +42,7 @@ class FrameAssembler {
   const EdgeGraph& graph_;
   Eigen::VectorXd weights_;
   std::unique_ptr<SparseSolver> solver_;
-  std::vector<int> place_;  ///< of a vertex in the order of the unknowns
+  std::vector<int> slot_;  ///< of a vertex in the order of the unknowns
   SymmetricMatrix matrix_;
   std::vector<int> entry_;     ///< of an edge among the values of matrix_
   std::vector<int> diagonal_;  ///< of a vertex

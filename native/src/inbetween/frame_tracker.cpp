@@ -67,7 +67,7 @@ RestEnergy FrameTracker::energy_at(double u) {
       [&](int t, int v) { return blended_.corner(t, v, u); }, newton_.system().matrix(), blended_.flat(), {}};
 }
 
-Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, double u, double settled) {
+Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, double u, double tolerance) {
   springs_.y = y;
   springs_.strength = pull_;
   newton_.system().forget();
@@ -75,7 +75,7 @@ Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, 
   Points result = predicted(x, of, y);
   newton_.begin(result);
   constexpr double anywhere = std::numeric_limits<double>::infinity();
-  const Newton::Budget budget{most_steps, most_factors, false, anywhere, settled * newton_.size()};
+  const Newton::Budget budget{most_steps, most_factors, false, anywhere, tolerance * newton_.size()};
   converged_ = newton_.descend(budget, result).converged;
   return result;
 }

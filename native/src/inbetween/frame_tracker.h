@@ -31,8 +31,8 @@ class FrameTracker {
   FrameTracker& operator=(const FrameTracker&) = delete;
 
   /// The minimum for the frame y at u, from the solution x of a frame `of` near to it, until a step is at
-  /// most `settled` of the keys' size. \throw SolveError numbers overflow
-  Points follow(const Points& x, const Points& of, const Points& y, double u, double settled);
+  /// most `tolerance` of the keys' size. \throw SolveError numbers overflow
+  Points follow(const Points& x, const Points& of, const Points& y, double u, double tolerance);
   /// Whether the last follow() got that far.
   bool converged() const { return converged_; }
 

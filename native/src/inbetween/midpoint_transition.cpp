@@ -204,10 +204,10 @@ void MidpointTransition::sample(double u, ComplexRows& edges, Eigen::Index colum
     sample_outside(u, edges, column);
     return;
   }
-  const double place = u * static_cast<double>(steps_);
+  const double position = u * static_cast<double>(steps_);
   const Eigen::Index k =
-      std::clamp(static_cast<Eigen::Index>(std::floor(place)), Eigen::Index{0}, steps_ - 1);
-  const double t = place - static_cast<double>(k);
+      std::clamp(static_cast<Eigen::Index>(std::floor(position)), Eigen::Index{0}, steps_ - 1);
+  const double t = position - static_cast<double>(k);
   // Cubic through the values at k and k+1 with the slopes of parabolas through three frames, so that the
   // motion has no kinks at the frames of the grid; as weights of the four values at k-1..k+2, or at the ends
   // of the outermost four.

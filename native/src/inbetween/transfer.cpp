@@ -26,15 +26,14 @@ Complex similarity(const EdgeGraph& graph, const Points& from, const Points& to)
   return size > 0.0 ? sum / size : 1.0;
 }
 
-std::vector<Points> transfer(const std::vector<Points>& frames, const Points& target,
-                             const EdgeGraph& graph) {
-  require_rows("target", target.rows(), frames[0].rows(), "vertex of frames[0]");
-  require_finite("target", target);
-  const Complex whole = similarity(graph, frames[0], target);
+std::vector<Points> transfer(const std::vector<Points>& frames, const Points& shape, const EdgeGraph& graph) {
+  require_rows("shape", shape.rows(), frames[0].rows(), "vertex of frames[0]");
+  require_finite("shape", shape);
+  const Complex whole = similarity(graph, frames[0], shape);
   const double shortest = no_length * size_of({frames[0]});
   const auto edges_of = [&](std::size_t k, ComplexRows& edges, Eigen::Index column) {
     for (std::size_t i = 0; i < graph.edges.size(); ++i) {
-      const Complex first = graph.vector(i, frames[0]), own = graph.vector(i, target);
+      const Complex first = graph.vector(i, frames[0]), own = graph.vector(i, shape);
       // An edge without length has no similarity of its own.
       const Complex s = std::abs(first) > shortest ? own / first : whole;
       edges(static_cast<Eigen::Index>(i), column) = own + product(s, graph.vector(i, frames[k]) - first);
@@ -42,28 +41,28 @@ std::vector<Points> transfer(const std::vector<Points>& frames, const Points& ta
   };
   const Centroids centroids(graph);
   const auto centres_of = [&](std::size_t k) {
-    std::vector<Complex> centre = centroids.of(target);
+    std::vector<Complex> centre = centroids.of(shape);
     const std::vector<Complex> first = centroids.of(frames[0]), now = centroids.of(frames[k]);
     for (std::size_t group = 0; group < centre.size(); ++group) {
       centre[group] += product(whole, now[group] - first[group]);
     }
     return centre;
   };
-  return assembled(graph, {target}, frames.size(), edges_of, centres_of);
+  return assembled(graph, {shape}, frames.size(), edges_of, centres_of);
 }
 
 }  // namespace
 
-std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Points& target,
+std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Points& shape,
                                     const Triangles& triangles) {
   require_frames(frames);
-  return transfer(frames, target, EdgeGraph(frames[0].rows(), triangles));
+  return transfer(frames, shape, EdgeGraph(frames[0].rows(), triangles));
 }
 
-std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Points& target,
+std::vector<Points> transfer_motion(const std::vector<Points>& frames, const Points& shape,
                                     const Edges& edges) {
   require_frames(frames);
-  return transfer(frames, target, EdgeGraph(frames[0].rows(), edges));
+  return transfer(frames, shape, EdgeGraph(frames[0].rows(), edges));
 }
 
 }  // namespace planar

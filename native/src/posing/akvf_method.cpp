@@ -20,7 +20,7 @@ constexpr int carrying_budget = 64;      // of a way on which float32 cannot kee
 constexpr int sharing_budget = 10;       // passes over the triangles of such a substep
 constexpr int settle_budget = 32;        // steps
 constexpr double reached = 1e-3;         // of the rest's diameter
-constexpr double settled = 1e-6;         // of the rest's diameter
+constexpr double tolerance = 1e-6;       // of the rest's diameter
 constexpr double nearer = 0.99;  // a step of settle() that leaves more of the distance than this is the last
 constexpr double least_straight = 0.85;  // 1/|φ(z)| at |z| = largest_turn, at least
 
@@ -68,7 +68,7 @@ void AkvfMethod::refine(const Points& targets, Points& x, Report& report) {
 void AkvfMethod::settle(const Points& targets, Points& x, Report& report) {
   Points best = x;
   double distance = furthest(best, targets);
-  for (int i = 0; i < settle_budget && distance > settled * size_; ++i) {
+  for (int i = 0; i < settle_budget && distance > tolerance * size_; ++i) {
     step(targets, x, report);
     const double left = furthest(x, targets);
     if (left < distance) best = x;

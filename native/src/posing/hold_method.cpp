@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 constexpr int move_steps = 2;
 constexpr int move_factors = 2;
 constexpr int settle_budget = 200;       // steps, and factors
-constexpr double settled = 1e-5;         // of the size
+constexpr double tolerance = 1e-5;       // of the size
 constexpr double negligible = 1e-8;      // of the size: a motion not worth making
 constexpr double worth_following = 0.3;  // of the pins' energy: what a rigid motion may leave of it
 constexpr int following_budget = 8;      // halvings of that motion
@@ -80,7 +80,7 @@ void HoldMethod::reset() noexcept {
 
 /// A bounded piece of work, after which the next factor is made while the caller goes on.
 Newton::Budget HoldMethod::two_steps(double limit) const {
-  return {move_steps, move_factors, true, limit, settled * newton_.size()};
+  return {move_steps, move_factors, true, limit, tolerance * newton_.size()};
 }
 
 void HoldMethod::move(const Points& targets, Points& x, Report& report) {
@@ -92,7 +92,7 @@ void HoldMethod::refine(const Points& targets, Points& x, Report& report) {
 }
 
 void HoldMethod::settle(const Points& targets, Points& x, Report& report) {
-  descend(targets, {settle_budget, settle_budget, false, unlimited, settled * newton_.size()}, x, report);
+  descend(targets, {settle_budget, settle_budget, false, unlimited, tolerance * newton_.size()}, x, report);
 }
 
 void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Points& x, Report& report) {

@@ -189,14 +189,14 @@ void KillingSolver::solve(const Points& velocities, Points& field) {
     if (part < 0) continue;
     field.row(v) = rigid_[at(part)].at(x_.row(v));
     if (bent_[at(part)]) {
-      const int place = all_->killing.place(v);
-      field(v, 0) += all_->unknown[2 * place];
-      field(v, 1) += all_->unknown[2 * place + 1];
+      const int slot = all_->killing.slot(v);
+      field(v, 0) += all_->unknown[2 * slot];
+      field(v, 1) += all_->unknown[2 * slot + 1];
     }
     if (correct_ && bent_[at(part)] && mesh_.interior[at(v)]) {
-      const int place = inside_->killing.place(v);
-      field(v, 0) += inside_->unknown[2 * place];
-      field(v, 1) += inside_->unknown[2 * place + 1];
+      const int slot = inside_->killing.slot(v);
+      field(v, 0) += inside_->unknown[2 * slot];
+      field(v, 1) += inside_->unknown[2 * slot + 1];
     }
   }
   if (!field.allFinite())
@@ -210,7 +210,7 @@ void KillingSolver::solve_soft() {
   for (const Pin& pin : pins_) {
     if (!bent_[at(pin.part)]) continue;
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
-      unknown.segment<2>(2 * all_->killing.place(pin.vertex[c])) +=
+      unknown.segment<2>(2 * all_->killing.slot(pin.vertex[c])) +=
           pin.strength * pin.weight[c] * pin.velocity.transpose();
     }
   }
@@ -219,7 +219,7 @@ void KillingSolver::solve_soft() {
     if (!bent_[at(pin.part)]) continue;
     Eigen::RowVector2d reached = Eigen::RowVector2d::Zero();
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
-      reached += pin.weight[c] * unknown.segment<2>(2 * all_->killing.place(pin.vertex[c])).transpose();
+      reached += pin.weight[c] * unknown.segment<2>(2 * all_->killing.slot(pin.vertex[c])).transpose();
     }
     pin.force = pin.strength * (pin.velocity - reached);
   }
@@ -240,7 +240,7 @@ void KillingSolver::solve_hard() {
   const auto for_entries = [&](Eigen::Index k, const auto& visit) {
     const Pin& pin = pin_of(k);
     for (std::size_t c = 0; c < pin.n_corners; ++c)
-      visit(2 * all_->killing.place(pin.vertex[c]) + k % 2, pin.weight[c]);
+      visit(2 * all_->killing.slot(pin.vertex[c]) + k % 2, pin.weight[c]);
   };
   Eigen::VectorXd& unknown = all_->unknown;
   Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(n_constraints, n_constraints);
@@ -277,8 +277,8 @@ void KillingSolver::correct_interior() {
   for (const Pin& pin : pins_) {
     if (!bent_[at(pin.part)] || pin.patch) continue;
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
-      const int place = inside_->killing.place(pin.vertex[c]);
-      if (place >= 0) unknown.segment<2>(2 * place) -= pin.weight[c] * pin.force.transpose();
+      const int slot = inside_->killing.slot(pin.vertex[c]);
+      if (slot >= 0) unknown.segment<2>(2 * slot) -= pin.weight[c] * pin.force.transpose();
     }
   }
   inside_->solver->solve(unknown, unknown);

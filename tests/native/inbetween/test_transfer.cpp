@@ -32,12 +32,12 @@ TEST(TransferMotion, MovesPartsLikeTheSources) {
   Points to = shape.vertices;
   to.topRows(16).col(0).array() += 2.0;
   to.bottomRows(1).col(1).array() -= 3.0;
-  Points target = shape.vertices;
-  target.topRows(16) = grid(4, 7).vertices;
-  const auto frames = transfer_motion({shape.vertices, to}, target, shape.triangles);
-  EXPECT_LT(largest_difference(frames[0], target), 1e-12);
+  Points other = shape.vertices;
+  other.topRows(16) = grid(4, 7).vertices;
+  const auto frames = transfer_motion({shape.vertices, to}, other, shape.triangles);
+  EXPECT_LT(largest_difference(frames[0], other), 1e-12);
   // The shapes are alike but for a few percent of turn and scale, which the ways are turned and scaled by.
-  EXPECT_LT(((frames[1] - target) - (to - shape.vertices)).rowwise().norm().maxCoeff(), 0.1);
+  EXPECT_LT(((frames[1] - other) - (to - shape.vertices)).rowwise().norm().maxCoeff(), 0.1);
   const Points way = frames[1] - frames[0];
   EXPECT_LT((way.topRows(16).rowwise() - way.row(0)).cwiseAbs().maxCoeff(), 1e-12);
 }
@@ -75,7 +75,7 @@ TEST(TransferMotion, RefusesWhatItCannotDo) {
   broken(4, 1) = std::nan("");
   EXPECT_REFUSAL(transfer_motion({}, x, shape.triangles), "frames is empty");
   EXPECT_REFUSAL(transfer_motion({x, x.topRows(5)}, x, shape.triangles), "frames[1] has 5 rows");
-  EXPECT_REFUSAL(transfer_motion({x}, broken, shape.triangles), "target, row 4");
+  EXPECT_REFUSAL(transfer_motion({x}, broken, shape.triangles), "shape, row 4");
 }
 
 }  // namespace
