@@ -13,7 +13,8 @@
 
 #include "planar/types.h"
 
-/// Reads drawn characters and poses published with other methods, which are not part of the project.
+/// Reads drawn characters and their poses: the project's own, which data/draw_characters.py writes, and ones
+/// published with other methods, which are not part of the project.
 namespace planar::characters {
 
 inline std::string contents(const std::filesystem::path& path) {

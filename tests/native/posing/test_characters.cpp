@@ -6,23 +6,36 @@
 #include "planar/poser.h"
 #include "support.h"
 
-/// Drawn characters and poses published with other methods. They are not part of the project: the tests look
-/// for them in the folder named by PLANAR_TEST_DATA at configure time.
+/// Large poses of drawn characters: the project's own fox and dragon, which are always there, and characters
+/// published with other methods, which are not part of the project. The tests look for these in the folder
+/// named by PLANAR_TEST_DATA at configure time.
 namespace planar::testing {
 namespace {
 
+/// A pose, and the sums of area and angle distortion that are known for it.
 struct Pose {
   const char* character;
   std::size_t number;
-  double distortion;  ///< area and angle, the best known: the prototype of method hold's
+  double hold;     ///< own characters: measured; published ones: of the prototype of method hold
+  double killing;  ///< measured
+  const char* folder = PLANAR_TEST_DATA;
 };
+
+/// 4 is no distortion. The pose may differ a little between machines, so that there is a margin of 5 %.
+void expect_distortion(const Shape& rest, const Points& posed, double known) {
+  const Distortion d = distortion(rest.vertices, posed, rest.triangles);
+  EXPECT_LT(d.area + d.angle - 4.0, 1.05 * (known - 4.0));
+}
 
 /// A character with the handles of a pose.
 class Character : public ::testing::TestWithParam<Pose> {
  protected:
   void SetUp() override {
-    const auto character = characters::read(PLANAR_TEST_DATA, GetParam().character);
-    if (!character) GTEST_SKIP() << "no " << GetParam().character << " in " << PLANAR_TEST_DATA;
+    const auto character = characters::read(GetParam().folder, GetParam().character);
+    if (!character) {
+      ASSERT_STRNE(GetParam().folder, PLANAR_OWN_CHARACTERS);
+      GTEST_SKIP() << "no " << GetParam().character << " in " << GetParam().folder;
+    }
     const characters::Pose& pose = character->poses.at(GetParam().number);
     shape = {character->vertices, character->triangles};
     handles = at(shape, pose.handles);
@@ -48,11 +61,8 @@ TEST_P(Character, ReachesItsPoseWithoutFlipsByKillingFields) {
   poser.settle();
   EXPECT_TRUE(poser.report().converged) << poser.report().furthest_handle / diagonal;
   EXPECT_EQ(poser.report().flipped, 0);
-  // The method forgets the rest shape, and is above the best known for it (2.14 and 2.20 at most).
-  // Measured: 2.25 and 2.32 at most.
-  const Distortion d = distortion(shape.vertices, poser.positions(), shape.triangles);
-  EXPECT_LT(d.area, 2.35);
-  EXPECT_LT(d.angle, 2.4);
+  // The method forgets the rest shape, and is above method hold for it.
+  expect_distortion(shape, poser.positions(), GetParam().killing);
 }
 
 TEST_P(Character, HoldsItsShapeInManyMovesAndInOne) {
@@ -67,18 +77,32 @@ TEST_P(Character, HoldsItsShapeInManyMovesAndInOne) {
     EXPECT_TRUE(poser.report().converged);
     EXPECT_EQ(poser.report().flipped, 0);
     EXPECT_LT(poser.report().furthest_handle, 1e-3 * diagonal);
-    const Distortion d = distortion(shape.vertices, poser.positions(), shape.triangles);
-    EXPECT_LT(d.area + d.angle, 1.005 * GetParam().distortion) << moves;
+    expect_distortion(shape, poser.positions(), GetParam().hold);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Poses, Character,
-    ::testing::Values(Pose{"elephant", 0, 4.059}, Pose{"giraffe", 0, 4.179}, Pose{"giraffe", 1, 4.096},
-                      Pose{"horse", 0, 4.043}, Pose{"horse", 1, 4.056}, Pose{"horse", 2, 4.088},
-                      Pose{"horse", 3, 4.308}, Pose{"horse", 4, 4.293}, Pose{"racoon", 0, 4.070},
-                      Pose{"racoon", 1, 4.050}, Pose{"racoon", 2, 4.007}, Pose{"racoon", 3, 4.038}),
-    [](const auto& kind) { return kind.param.character + std::to_string(kind.param.number); });
+std::string name_of(const ::testing::TestParamInfo<Pose>& kind) {
+  return kind.param.character + std::to_string(kind.param.number);
+}
+
+INSTANTIATE_TEST_SUITE_P(Own, Character,
+                         ::testing::Values(Pose{"fox", 0, 4.0080, 4.0199, PLANAR_OWN_CHARACTERS},
+                                           Pose{"fox", 1, 4.0187, 4.0299, PLANAR_OWN_CHARACTERS},
+                                           Pose{"fox", 2, 4.0385, 4.0669, PLANAR_OWN_CHARACTERS},
+                                           Pose{"dragon", 0, 4.0412, 4.0649, PLANAR_OWN_CHARACTERS},
+                                           Pose{"dragon", 1, 4.0259, 4.0320, PLANAR_OWN_CHARACTERS}),
+                         name_of);
+
+INSTANTIATE_TEST_SUITE_P(Poses, Character,
+                         ::testing::Values(Pose{"elephant", 0, 4.059, 4.1314},
+                                           Pose{"giraffe", 0, 4.179, 4.3214},
+                                           Pose{"giraffe", 1, 4.096, 4.1613}, Pose{"horse", 0, 4.043, 4.0595},
+                                           Pose{"horse", 1, 4.056, 4.0927}, Pose{"horse", 2, 4.088, 4.1703},
+                                           Pose{"horse", 3, 4.308, 4.4826}, Pose{"horse", 4, 4.293, 4.5640},
+                                           Pose{"racoon", 0, 4.070, 4.3524}, Pose{"racoon", 1, 4.050, 4.0688},
+                                           Pose{"racoon", 2, 4.007, 4.0075},
+                                           Pose{"racoon", 3, 4.038, 4.0485}),
+                         name_of);
 
 }  // namespace
 }  // namespace planar::testing

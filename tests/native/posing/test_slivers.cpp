@@ -27,7 +27,9 @@ class Drags : public ::testing::TestWithParam<std::string> {
     } else if (GetParam() == "square") {
       shape = own(benchmarks::square(900));
     } else {
-      const auto file = std::filesystem::path(PLANAR_TEST_DATA) / (GetParam() + ".obj");
+      auto file = std::filesystem::path(PLANAR_OWN_CHARACTERS) / (GetParam() + ".obj");
+      if (!std::filesystem::exists(file))
+        file = std::filesystem::path(PLANAR_TEST_DATA) / (GetParam() + ".obj");
       if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
       std::tie(shape.vertices, shape.triangles) = characters::read_obj(file);
     }
@@ -59,8 +61,8 @@ TEST_P(Drags, Settle) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Characters, Drags,
-                         ::testing::Values("figure", "square", "elephant", "giraffe", "horse", "racoon",
-                                           "woody", "alligator"),
+                         ::testing::Values("figure", "square", "fox", "dragon", "elephant", "giraffe",
+                                           "horse", "racoon", "woody", "alligator"),
                          [](const auto& name) { return name.param; });
 
 TEST(Slivers, AreAsManyAsSaid) {
