@@ -61,10 +61,9 @@ struct Report {
 /// Killing energy of the mesh as it is [Claici17], which has the same sparsity.
 ///
 /// 3. Where the energy falls along a step for longer than its Hessian expects, the step is prolonged, up to
-/// ten times; where full steps of under 5e-3 of the diameter do not get shorter, the Hessian gets as much of
-/// its negative curvature back as leaves it positive definite; and long descents have conjugate directions.
-/// Projection alone is too stiff under compression and near saddles, and takes a hundred steps to settle
-/// then.
+/// ten times. Projection alone is too stiff under compression and near saddles, and takes a hundred steps to
+/// settle then: settle() takes truncated Newton steps, a few conjugate gradients of the Hessian itself with
+/// the projected factor as preconditioner [Nocedal06].
 ///
 /// 4. No triangle that lies as at rest is turned over, not even by rounding to float32: steps that would are
 /// shortened. Triangles that are inverted in the positions given to reset() have the foldover-free energy of

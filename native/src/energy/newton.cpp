@@ -18,21 +18,15 @@ using Metric = NewtonSystem::Metric;
 constexpr int oldest_ahead = 6;  // steps with one factor where the next one is made ahead
 constexpr int oldest = 3;        // the same where making it does not make an event wait
 constexpr double aging = 0.3;    // of the step before: a step with an old factor that calls for a new one
-constexpr double outdated_ahead = 0.8;       // the same, at once even if that makes the event wait
-constexpr double outdated = 0.5;             // the same where it does not
-constexpr double blocked = 0.1;              // a collapse before this t calls for the Killing metric
-constexpr double margin = 0.8;               // of the way to the first collapse
-constexpr double sufficient = 1e-4;          // Armijo's constant
-constexpr double rounding = 1e-13;           // of the energy: what its evaluation may be off by
-constexpr double furthest_t = 10.0;          // of steps along which the energy falls for longer than expected
-constexpr double negligible = 1e-8;          // of the size: a step not worth taking
-constexpr double near = 5e-3;                // of the size: steps for which negative curvature may serve
-constexpr double finest_share = 1.0 / 16.0;  // of negative curvature: what is not told apart
-constexpr int halving_budget = 20;           // of a step
-// Of 320 drags of ten characters that were hard to settle, 8 took more than 60 steps without conjugate
-// directions, 4 with them from the first step on and 5 from the twelfth on; most settle before.
-constexpr int first_conjugate = 12;
-constexpr double most_conjugate = 3.0;  // of the direction before
+constexpr double outdated_ahead = 0.8;  // the same, at once even if that makes the event wait
+constexpr double outdated = 0.5;        // the same where it does not
+constexpr double blocked = 0.1;         // a collapse before this t calls for the Killing metric
+constexpr double margin = 0.8;          // of the way to the first collapse
+constexpr double sufficient = 1e-4;     // Armijo's constant
+constexpr double rounding = 1e-13;      // of the energy: what its evaluation may be off by
+constexpr double furthest_t = 10.0;     // of steps along which the energy falls for longer than expected
+constexpr double negligible = 1e-8;     // of the size: a step not worth taking
+constexpr int halving_budget = 20;      // of a step
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
@@ -78,10 +72,6 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
   Outcome outcome;
   int factors = 0;
   last_length_ = unlimited;
-  slow_ = false;
-  kept_ = 0.0;
-  failed_ = 2.0;
-  last_decrease_ = 0.0;
   energy_.relax(x);
   for (int i = 0; i < budget.steps; ++i) {
     if (i > 0) energy_.tighten(x);
@@ -111,7 +101,11 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
     }
     const bool fresh = age_ == 0;
     ++outcome.iterations;
-    if (i >= first_conjugate) conjugate(x, step);
+    // Where a projected step would be cut short, a bolder one leads nearer to the collapse.
+    if (!budget.ahead && margin * step.collapse >= 1.0) {
+      system_.approach_newton(energy_, scale_, x, gradient_, direction_);
+      measure(x, step);
+    }
     const auto use_killing = [&] {
       system_.factorize(Metric::killing, energy_, scale_, x);
       ++factors;
@@ -134,35 +128,15 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
       outcome.converged = true;
       return outcome;
     }
-    slow_ = full && fresh && step.length > outdated * last_length_ && step.length < near * size_;
     last_length_ = full ? step.length : unlimited;
-    if (!full) last_decrease_ = 0.0;
     if (step.t < 0.5 || (!full && !fresh)) system_.forget();
   }
   return outcome;
 }
 
-/// Makes a new factor at x. Where the projected Hessian is too stiff to get on, as much of the negative
-/// curvature is tried as may do, by halving the interval between what is known to do and to be too much.
 void Newton::renew(const Points& x, int& factors) {
   age_ = 0;
   ++factors;
-  if (slow_) {
-    while (failed_ - kept_ > finest_share) {
-      const double share = failed_ > 1.0 ? 1.0 : 0.5 * (kept_ + failed_);
-      try {
-        system_.factorize(Metric::curved, energy_, scale_, x, share);
-        kept_ = share < 1.0 ? share : 0.0;
-        return;
-      } catch (const SolveError&) {
-        ++factors;
-        failed_ = share;
-        if (kept_ >= share) kept_ = 0.0;
-      }
-    }
-  }
-  kept_ = 0.0;
-  failed_ = 2.0;
   system_.factorize(Metric::projected, energy_, scale_, x);
 }
 
@@ -179,32 +153,14 @@ void Newton::renew_ahead(const Points& x) noexcept {
 
 void Newton::aim(const Points& x, Step& step) {
   system_.solve(gradient_, direction_);
+  measure(x, step);
+}
+
+/// Fills in what the step along direction_ is.
+void Newton::measure(const Points& x, Step& step) const {
   step.slope = gradient_.cwiseProduct(direction_).sum();
   step.length = direction_.rowwise().norm().maxCoeff();
   step.collapse = energy_.first_collapse(x, direction_);
-}
-
-/// Adds a share of the direction before to this one, so that it does not undo what that reached; unless the
-/// sum is not downhill enough or comes too near to a collapse.
-void Newton::conjugate(const Points& x, Step& step) {
-  const double before = last_decrease_;
-  last_decrease_ = -step.slope;
-  std::swap(last_direction_, trial_);
-  if (before > 0.0) {
-    const double share = -direction_.cwiseProduct(gradient_ - last_gradient_).sum() / before;
-    if (share > 0.0) {
-      further_ = direction_ + std::min(share, most_conjugate) * trial_;
-      const double slope = gradient_.cwiseProduct(further_).sum();
-      const double collapse = energy_.first_collapse(x, further_);
-      if (slope < 0.1 * step.slope && collapse >= 1.0) {
-        std::swap(direction_, further_);
-        step.slope = slope;
-        step.collapse = collapse;
-      }
-    }
-  }
-  last_gradient_ = gradient_;
-  last_direction_ = direction_;
 }
 
 Newton::Step Newton::step_at(const Points& x, Points& direction) {

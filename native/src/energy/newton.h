@@ -17,10 +17,10 @@ namespace planar {
 /// to where a triangle collapses, by Armijo's rule, and prolonged where the energy falls for longer than its
 /// Hessian expects. No triangle that lies as at rest when it begins is turned over, not even by rounding to
 /// float32. Where a triangle would collapse within a tenth of a step, the step is one in the metric of the
-/// Killing energy of the mesh as it is [Claici17]. Where full steps do not get shorter, which
-/// projection does under compression and near saddles, the Hessian is given as much of its negative curvature
-/// back as leaves it positive definite; and from the twelfth step on, directions are conjugate to the one
-/// before (Polak and Ribière), which ends the zigzag of a metric that is too stiff.
+/// Killing energy of the mesh as it is [Claici17]. Projection is
+/// too stiff under compression and where limbs bend: descents that no event waits for go by truncated Newton
+/// steps, in which conjugate gradients, preconditioned by the projected factor, give the Hessian its negative
+/// curvature back [Nocedal06].
 ///
 /// What is done is counted, never timed: equal input gives equal bits.
 class Newton {
@@ -89,7 +89,7 @@ class Newton {
   double gradient(const Points& x);
   void renew(const Points& x, int& factors);
   void aim(const Points& x, Step& step);
-  void conjugate(const Points& x, Step& step);
+  void measure(const Points& x, Step& step) const;
   void search(double longest, Points& x, Step& step);
 
   NewtonSystem system_;
@@ -103,10 +103,7 @@ class Newton {
   double last_length_ = 0.0;  ///< of the step before with it, infinite if that was not a full one
 
   // Of the descent under way.
-  bool slow_ = false;                 ///< full steps with fresh factors do not get shorter
-  double kept_ = 0.0, failed_ = 2.0;  ///< shares of negative curvature, known to do and known to be too much
-  double last_decrease_ = 0.0;  ///< gradient · metric⁻¹ gradient of the step before; 0: start afresh
-  Points start_, gradient_, direction_, last_gradient_, last_direction_, trial_, further_;
+  Points start_, gradient_, direction_, trial_, further_;
   std::vector<double> area_, trial_area_;
 };
 

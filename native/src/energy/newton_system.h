@@ -29,7 +29,6 @@ class NewtonSystem {
   enum class Metric {
     none,       ///< no factor
     projected,  ///< the rest energy's Hessian, triangle by triangle semidefinite
-    curved,     ///< the same with a share of its negative curvature
     killing,    ///< 2K of the mesh as it is
   };
 
@@ -49,17 +48,21 @@ class NewtonSystem {
   /// lost.
   void set_active(std::vector<char> active) noexcept;
 
-  /// Factors the metric of `scale` times the energy at x; of `curved` with this share of the negative
-  /// curvature, 1 for the Hessian itself.
-  /// \throw SolveError it is not positive definite (`curved`), or no memory
-  void factorize(Metric metric, const RestEnergy& energy, double scale, const Points& x,
-                 double negative = 0.0);
+  /// Factors the metric of `scale` times the energy at x.
+  /// \throw SolveError it is not positive definite for rounding errors, or no memory
+  void factorize(Metric metric, const RestEnergy& energy, double scale, const Points& x);
   void forget() noexcept { metric_ = Metric::none; }
 
   /// That of the factor.
   Metric metric() const { return metric_; }
   /// Solves with the factor for minus the gradient (n×2).
   void solve(const Points& gradient, Points& direction);
+  /// Takes the direction that solve() gave towards Newton's own at x, that of the Hessian with its negative
+  /// curvature, by a few steps of conjugate gradients with the factor as preconditioner. They end where they
+  /// meet a direction of negative curvature, the first of which solve() has given: the result is one of
+  /// descent. [Nocedal06, algorithm 7.1]
+  void approach_newton(const RestEnergy& energy, double scale, const Points& x, const Points& gradient,
+                       Points& direction);
   /// The parts were turned by factors e^{ia} since: so is the metric.
   void turn(const std::vector<std::complex<double>>& by_part);
 
@@ -67,9 +70,12 @@ class NewtonSystem {
   const Mesh& mesh_;
   const Springs& springs_;
   std::unique_ptr<SparseSolver> solver_;
-  KillingMatrix matrix_;
+  KillingMatrix matrix_;  ///< of what was factored last, or multiplied with
   Eigen::VectorXd stiffness_;
   std::vector<char> active_;
+
+  void scale_and_add_springs(double scale, double springs);
+  Points times(const Points& x) const;
 
   Metric metric_ = Metric::none;
   std::vector<std::complex<double>> turn_;  ///< per part, since the factor was made

@@ -237,7 +237,7 @@ struct Blocks {
 }  // namespace
 
 void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix,
-                             double negative) const {
+                             Hessian kind) const {
   double* value = matrix.values();
   for (const Triangle& triangle : triangles_) {
     const MeshMatrix::Element& element = matrix.elements()[triangle.element];
@@ -267,7 +267,9 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
       second = std::max(0.0, mean - radius);
     }
     const double along_a = j.along_a(psi);
-    const double twist = std::sqrt(triangle.weight * (along_a < 0.0 ? -negative * along_a : along_a));
+    const double twist = along_a < 0.0 && (kind == Hessian::projected || triangle.softening != 0.0)
+                             ? 0.0
+                             : std::sqrt(triangle.weight * std::abs(along_a));
     const double shear = std::sqrt(triangle.weight * std::max(0.0, j.along_b(psi)));
     first = std::sqrt(triangle.weight * first);
     second = std::sqrt(triangle.weight * second);

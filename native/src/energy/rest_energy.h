@@ -56,11 +56,13 @@ class RestEnergy {
   double value(const Points& x) const;
   /// Value, and n×2 derivatives by the vertices.
   double gradient(const Points& x, Points& result) const;
-  /// Adds the Hessian at x of the parts that are `active`, with a share of the negative eigenvalues of each
-  /// triangle: 1 gives the Hessian, 0 the projected one, which is semidefinite. (Under repair and flat
-  /// triangles are always projected.)
+  enum class Hessian {
+    projected,  ///< negative eigenvalues of each triangle are set to 0, so that it is semidefinite
+    full,       ///< but for triangles that are under repair or flat, which are projected
+  };
+  /// Adds the Hessian at x of the parts that are `active`.
   void add_hessian(const Points& x, const std::vector<char>& active, MeshMatrix& matrix,
-                   double negative = 0.0) const;
+                   Hessian kind = Hessian::projected) const;
   /// The least t > 0 at which x + t·direction has a triangle without area that has some at x; infinite if
   /// there is none. Triangles that are inverted at x do not count.
   double first_collapse(const Points& x, const Points& direction) const;

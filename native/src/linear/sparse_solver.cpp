@@ -17,6 +17,20 @@ int SymmetricMatrix::find(int i, int column) const {
   return static_cast<int>(std::lower_bound(first, end, i) - row.begin());
 }
 
+Eigen::VectorXd SymmetricMatrix::times(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(size);
+  for (int j = 0; j < size; ++j) {
+    int p = column_start[at(j)];
+    double sum = value[at(p)] * x[j];
+    for (++p; p < column_start[at(j) + 1]; ++p) {
+      sum += value[at(p)] * x[row[at(p)]];
+      result[row[at(p)]] += value[at(p)] * x[j];
+    }
+    result[j] += sum;
+  }
+  return result;
+}
+
 SymmetricMatrix graph_pattern(int size, const std::vector<std::array<int, 2>>& edges) {
   std::vector<std::vector<int>> column(at(size));
   for (int i = 0; i < size; ++i) column[at(i)].push_back(i);

@@ -22,6 +22,8 @@ struct SymmetricMatrix {
 
   /// Place of an entry of the pattern (row ≥ column) in `row` and `value`.
   int find(int i, int column) const;
+  /// The product with a vector.
+  Eigen::VectorXd times(const Eigen::VectorXd& x) const;
 };
 
 /// The pattern with the whole diagonal and an entry for each edge of a graph over `size` unknowns.

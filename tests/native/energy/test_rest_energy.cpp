@@ -23,7 +23,7 @@ struct Case {
   Eigen::MatrixXd hessian(const Points& x, bool project) {
     matrix.set_zero();
     energy.add_hessian(x, std::vector<char>(static_cast<std::size_t>(mesh.n_parts), 1), matrix,
-                       project ? 0.0 : 1.0);
+                       project ? RestEnergy::Hessian::projected : RestEnergy::Hessian::full);
     return dense(matrix.matrix());
   }
 
@@ -101,23 +101,25 @@ TEST(RestEnergy, ProjectionClampsTheEigenvaluesOfEachTriangle) {
     };
     const Eigen::Matrix2d jacobian = sides(x) * sides(rest).inverse();
     if (jacobian.determinant() < 0.05) continue;
-    // METHODS: the Hessian in j = vec J, columns first, from s = |j|², δ = det J.
-    const Eigen::Map<const Eigen::Vector4d> j(jacobian.data());
+    // METHODS: the Hessian in j = vec J, columns first, from s = |j|², δ = det J. Sizes that the compiler
+    // does not know take it a quarter of the time.
+    const Eigen::VectorXd j = Eigen::Map<const Eigen::VectorXd>(jacobian.data(), 4);
     const double s = j.squaredNorm(), d = jacobian.determinant();
-    const Eigen::Vector4d dd(j[3], -j[2], -j[1], j[0]);
-    Eigen::Matrix4d ddd = Eigen::Matrix4d::Zero();
+    const Eigen::VectorXd dd = (Eigen::VectorXd(4) << j[3], -j[2], -j[1], j[0]).finished();
+    Eigen::MatrixXd ddd = Eigen::MatrixXd::Zero(4, 4);
     ddd(0, 3) = ddd(3, 0) = 1.0;
     ddd(1, 2) = ddd(2, 1) = -1.0;
-    const Eigen::Matrix4d h = 2.0 * (1.0 + 1.0 / (d * d)) * Eigen::Matrix4d::Identity() -
-                              4.0 / std::pow(d, 3) * (j * dd.transpose() + dd * j.transpose()) +
+    const Eigen::MatrixXd mixed = j * dd.transpose();
+    const Eigen::MatrixXd h = 2.0 * (1.0 + 1.0 / (d * d)) * Eigen::MatrixXd::Identity(4, 4) -
+                              4.0 / std::pow(d, 3) * (mixed + mixed.transpose()) +
                               6.0 * s / std::pow(d, 4) * dd * dd.transpose() - 2.0 * s / std::pow(d, 3) * ddd;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(h);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
     clamped += eigen.eigenvalues()[0] < 0.0;
-    const Eigen::Matrix4d positive = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+    const Eigen::MatrixXd positive = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
                                      eigen.eigenvectors().transpose();
     // vec J in (x0, y0, x1, y1, x2, y2).
     const Eigen::Matrix2d inverse = sides(rest).inverse();
-    Eigen::Matrix<double, 4, 6> map = Eigen::Matrix<double, 4, 6>::Zero();
+    Eigen::MatrixXd map = Eigen::MatrixXd::Zero(4, 6);
     for (int column = 0; column < 2; ++column) {
       for (int axis = 0; axis < 2; ++axis) {
         map(2 * column + axis, 2 + axis) = inverse(0, column);

@@ -217,6 +217,12 @@ INSTANTIATE_TEST_SUITE_P(Backends, SparseSolverTest, ::testing::ValuesIn(backend
   return kind.param == Backend::cholmod ? "Cholmod" : "Eigen";
 });
 
+TEST(SparseSolver, ProductsAreThoseOfTheWholeMatrix) {
+  const Eigen::MatrixXd dense = positive_matrix(5);
+  const Eigen::VectorXd x = flat(random_points(dense.rows() / 2, 3));
+  EXPECT_LT((lower(dense).times(x) - dense * x).lpNorm<Eigen::Infinity>(), 1e-13);
+}
+
 TEST(SparseSolver, PatternsOfGraphsAreFoundInThem) {
   const SymmetricMatrix pattern = graph_pattern(4, {{{3, 1}}, {{0, 1}}, {{1, 3}}});
   EXPECT_EQ(pattern.column_start, (std::vector<int>{0, 2, 4, 5, 6}));
