@@ -17,7 +17,7 @@ struct KillingOptions {
 /// mesh at `vertices` (n×2) whose deformation is as near to rigid as the handles' velocities (k×2) allow.
 ///
 /// A connected part without a handle gets velocity 0; a part whose handles all lie at one point (closer than
-/// 1e-6 of the mesh's box diagonal) translates with their mean velocity; handles at the very same point of
+/// 1e-6 of the mesh's diameter) translates with their mean velocity; handles at the very same point of
 /// the mesh count as one, with the mean of their velocities; isolated vertices stay. When no handle lies on
 /// an interior vertex, [AKVF 8] changes nothing and is not solved. Linearly dependent hard handles (four in a
 /// triangle) are met in the sense of least squares.

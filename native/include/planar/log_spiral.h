@@ -9,7 +9,7 @@ namespace planar {
 /// spirals [AKVF 14-16]: each vertex goes to the mean over its edges of p +
 /// u·φ(z), with complex z = (u_p - u_q)/(p - q) and φ(z) = (e^z - 1)/z. That is [AKVF 14-16] without their
 /// pole at translations. A rigid field moves the mesh rigidly, at any angle. An edge of no length (below
-/// 1e-12 of the box diagonal) counts as a translation; vertices without edges stay, as they have no spiral.
+/// 1e-12 of the longest one) counts as a translation; vertices without edges stay, as they have no spiral.
 ///
 /// \throw std::invalid_argument mismatched, non-finite or out-of-range input
 /// \throw SolveError the spirals leave the range of double (e^z overflows)

@@ -8,14 +8,14 @@
 #include <utility>
 
 #include "base/checks.h"
+#include "base/diameter.h"
 #include "base/index.h"
 
 namespace planar {
 
 namespace {
 
-constexpr double one_point =
-    1e-6;  // of the box diagonal: handles nearer to each other cannot say how to turn
+constexpr double one_point = 1e-6;    // of the diameter: handles nearer to each other cannot say how to turn
 constexpr int worth_a_thread = 1000;  // vertices
 
 std::vector<int> reorder(const Mesh& mesh, std::vector<int> kept, SparseSolver& solver) {
@@ -117,8 +117,8 @@ void KillingSolver::fit_centres() {
     spread[at(pin.part)] = std::max(spread[at(pin.part)], arm.norm());
     rigid.inertia += strength(pin) * arm.squaredNorm();
   }
-  const double diagonal = (x_.colwise().maxCoeff() - x_.colwise().minCoeff()).norm();
-  for (std::size_t part = 0; part < bent_.size(); ++part) bent_[part] = spread[part] > one_point * diagonal;
+  const double nearest = one_point * diameter(x_);
+  for (std::size_t part = 0; part < bent_.size(); ++part) bent_[part] = spread[part] > nearest;
 }
 
 void KillingSolver::fit_rigid_fields(const Points& velocities) {

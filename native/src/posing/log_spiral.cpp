@@ -80,8 +80,9 @@ double Spirals::prepare(const Points& x, const Points& velocities) {
     x_[i] = {x(row, 0), x(row, 1)};
     velocity_[i] = {velocities(row, 0), velocities(row, 1)};
   }
-  const double diagonal = (x.colwise().maxCoeff() - x.colwise().minCoeff()).squaredNorm();
-  const double shortest = 1e-24 * diagonal;
+  double longest = 0.0;
+  for (const auto& [a, b] : edges_) longest = std::max(longest, std::norm(x_[at(a)] - x_[at(b)]));
+  const double shortest = 1e-24 * longest;
   double largest = 0.0;
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const auto a = at(edges_[e][0]), b = at(edges_[e][1]);

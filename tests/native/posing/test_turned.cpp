@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include "base/diameter.h"
+#include "planar/akvf.h"
 #include "planar/inbetween.h"
 #include "planar/poser.h"
 #include "shapes.h"
@@ -44,6 +46,27 @@ TEST_P(Turned, DrawingsGiveTurnedPoses) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, Turned, ::testing::Values(PoserMethod::hold, PoserMethod::akvf),
                          [](const auto& kind) { return kind.param == PoserMethod::hold ? "hold" : "akvf"; });
+
+/// Two handles 1.2e-6 of the diameter from their middle, which is as near to 1e-6 of the box's diagonal or
+/// nearer, depending on how the drawing is turned.
+TEST(TurnedFields, OfHandlesCloseToEachOther) {
+  const Shape shape = grid(5);
+  const Points& start = shape.vertices;
+  const double half = 1.2e-6 * diameter(start) / (start.row(1) - start.row(0)).norm();  // of edge 0-1
+  Handles handles;
+  handles.vertices.resize(2, 3);
+  handles.vertices << 0, 1, 5, 0, 1, 5;
+  handles.weights.resize(2, 3);
+  handles.weights << 0.5 + half, 0.5 - half, 0.0, 0.5 - half, 0.5 + half, 0.0;
+  const auto field = [&](double turn) {
+    const Points x = rigid_motion(start, turn, 0.0, 0.0);
+    const Points from = handles.positions(x);
+    Points velocities(2, 2);
+    velocities << from(1, 1) - from(0, 1), from(0, 0) - from(1, 0), 0.0, 0.0;
+    return rigid_motion(killing_field(x, shape.triangles, handles, velocities), -turn, 0.0, 0.0);
+  };
+  EXPECT_LT(apart(field(0.7853981633974483), field(0.0)), 1e-9);
+}
 
 TEST(TurnedKeys, GiveTurnedInbetweens) {
   const Shape shape = long_figure();
