@@ -22,6 +22,7 @@ constexpr double sufficient = 1e-12;  // error to be left, of the solution
 constexpr int most_steps = 1000;
 constexpr Eigen::Index rows_per_task = 64;
 constexpr Eigen::Index frames_per_task = 16;
+constexpr Eigen::Index batches = 8;  // of tasks, between which a caller may cancel
 
 double dot(const ComplexRows& a, const ComplexRows& b) {
   return (a.real() * b.real() + a.imag() * b.imag()).sum();
@@ -37,7 +38,9 @@ void GlobalStep::assemble(const ComplexRows& edges, ComplexRows& points,
                           const std::function<void(double)>& progress) {
   inner_ = edges.cols() - 2;
   const Eigen::Index padded = FrameAssembler::padded(inner_);
-  set_equations(edges);
+  double done = 0.0;
+  const Tell tell = [&progress, &done] { progress(done); };
+  set_equations(edges, tell);
   ComplexRows x = ComplexRows::Zero(graph_.n_vertices, padded), b = x, residual, z, direction, image;
   x.leftCols(inner_) = points.middleCols(1, inner_);
   for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
@@ -45,39 +48,49 @@ void GlobalStep::assemble(const ComplexRows& edges, ComplexRows& points,
     b.row(from).head(inner_) -= right_.row(static_cast<Eigen::Index>(i));
     b.row(to).head(inner_) += right_.row(static_cast<Eigen::Index>(i));
   }
-  multiply(x, image);
+  multiply(x, image, tell);
   residual = b - image;
-  precondition(residual, z);
+  precondition(residual, z, tell);
   direction = z;
   double error = dot(residual, z);  // squared, in the norm of P
   const double first_error = error;
-  double done = 0.0;
   for (int step = 0; error > sufficient * sufficient * std::max(dot(x, b), 0.0); ++step) {
     if (step == most_steps) {
       throw SolveError("the global method finds no frames: some edges turn much faster than others");
     }
     done = std::clamp(std::log(error / first_error) / (2.0 * std::log(sufficient)), done, 1.0);
-    progress(done);
-    multiply(direction, image);
+    multiply(direction, image, tell);
     const double length = error / dot(direction, image);
     x += length * direction;
     residual -= length * image;
-    progress(done);
-    precondition(residual, z);
+    precondition(residual, z, tell);
     const double before = std::exchange(error, dot(residual, z));
     direction = z + (error / before) * direction;
   }
   points.middleCols(1, inner_) = x.leftCols(inner_);
 }
 
+/// Shares out tasks, a few for each thread at a time, and tells of it before each time: a cancel is obeyed
+/// soon.
+void GlobalStep::run(const Tell& tell, Eigen::Index count, const std::function<void(Eigen::Index)>& task) {
+  const Eigen::Index batch = std::max<Eigen::Index>(team_.size(), count / batches);
+  for (Eigen::Index first = 0; first < count; first += batch) {
+    tell();
+    team_.run(static_cast<std::size_t>(std::min(batch, count - first)),
+              [&](std::size_t i, std::size_t) { task(first + static_cast<Eigen::Index>(i)); });
+  }
+}
+
 /// Those of the edges, and of the parts by their means.
-void GlobalStep::set_equations(const ComplexRows& edges) {
+void GlobalStep::set_equations(const ComplexRows& edges, const Tell& tell) {
   const Eigen::Index n_edges = edges.rows();
   diagonal_.resize(n_edges, inner_);
   below_.resize(n_edges, inner_);
   right_.resize(n_edges, inner_);
-  team_.run_blocks(n_edges, rows_per_task, [&](Eigen::Index i) {
-    edge_equations(edges.row(i), &diagonal_(i, 0), &below_(i, 0), &right_(i, 0));
+  run(tell, (n_edges + rows_per_task - 1) / rows_per_task, [&](Eigen::Index task) {
+    for (Eigen::Index i = task * rows_per_task; i < std::min((task + 1) * rows_per_task, n_edges); ++i) {
+      edge_equations(edges.row(i), &diagonal_(i, 0), &below_(i, 0), &right_(i, 0));
+    }
   });
   part_diagonal_ = Eigen::ArrayXXd::Zero(graph_.n_parts, inner_);
   part_below_ = ComplexRows::Zero(graph_.n_parts, inner_);
@@ -93,11 +106,11 @@ void GlobalStep::set_equations(const ComplexRows& edges) {
 }
 
 /// image ← A x, some frames in a thread at a time.
-void GlobalStep::multiply(const ComplexRows& x, ComplexRows& image) {
+void GlobalStep::multiply(const ComplexRows& x, ComplexRows& image, const Tell& tell) {
   image.setZero(x.rows(), x.cols());
   const Eigen::Index blocks = (inner_ + frames_per_task - 1) / frames_per_task;
-  team_.run(static_cast<std::size_t>(blocks), [&](std::size_t block, std::size_t) {
-    const Eigen::Index first = static_cast<Eigen::Index>(block) * frames_per_task;
+  run(tell, blocks, [&](Eigen::Index block) {
+    const Eigen::Index first = block * frames_per_task;
     const Eigen::Index end = std::min(first + frames_per_task, inner_);
     for (Eigen::Index i = 0; i < diagonal_.rows(); ++i) {
       const auto [from, to] = graph_.edges[static_cast<std::size_t>(i)];
@@ -114,9 +127,9 @@ void GlobalStep::multiply(const ComplexRows& x, ComplexRows& image) {
 }
 
 /// z ← P⁻¹ r: in time, then in space.
-void GlobalStep::precondition(const ComplexRows& r, ComplexRows& z) {
+void GlobalStep::precondition(const ComplexRows& r, ComplexRows& z, const Tell& tell) {
   z.setZero(r.rows(), r.cols());
-  team_.run_blocks(r.rows(), rows_per_task, [&](Eigen::Index v) {
+  const auto in_time = [&](Eigen::Index v) {
     const int part = graph_.part[static_cast<std::size_t>(v)];
     if (part == -1) return;
     const auto row = [this](const auto& of, Eigen::Index i) {
@@ -127,10 +140,14 @@ void GlobalStep::precondition(const ComplexRows& r, ComplexRows& z) {
     std::vector<Complex> x = row(r, v);
     solve_tridiagonal(diagonal, row(part_below_, part), x);
     std::copy(x.begin(), x.end(), &z(v, 0));
+  };
+  run(tell, (r.rows() + rows_per_task - 1) / rows_per_task, [&](Eigen::Index task) {
+    for (Eigen::Index v = task * rows_per_task; v < std::min((task + 1) * rows_per_task, r.rows()); ++v) {
+      in_time(v);
+    }
   });
-  team_.run(static_cast<std::size_t>(z.cols() / FrameAssembler::lanes), [&](std::size_t pass, std::size_t) {
-    space_.assemble_sums(static_cast<Eigen::Index>(pass) * FrameAssembler::lanes, z);
-  });
+  run(tell, z.cols() / FrameAssembler::lanes,
+      [&](Eigen::Index pass) { space_.assemble_sums(pass * FrameAssembler::lanes, z); });
 }
 
 }  // namespace planar

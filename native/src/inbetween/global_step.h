@@ -24,14 +24,16 @@ class GlobalStep {
   GlobalStep(const EdgeGraph& graph, ThreadTeam& team);
 
   /// From the inner frames of `points` as they are to the solution.
-  /// \param progress called with the share of the work done; may throw
+  /// \param progress called with the share of the work done, many times a step; may throw
   /// \throw SolveError the steps do not get there
   void assemble(const ComplexRows& edges, ComplexRows& points, const std::function<void(double)>& progress);
 
  private:
-  void set_equations(const ComplexRows& edges);
-  void multiply(const ComplexRows& x, ComplexRows& image);
-  void precondition(const ComplexRows& r, ComplexRows& z);
+  using Tell = std::function<void()>;
+  void run(const Tell& tell, Eigen::Index count, const std::function<void(Eigen::Index)>& task);
+  void set_equations(const ComplexRows& edges, const Tell& tell);
+  void multiply(const ComplexRows& x, ComplexRows& image, const Tell& tell);
+  void precondition(const ComplexRows& r, ComplexRows& z, const Tell& tell);
 
   const EdgeGraph& graph_;
   ThreadTeam& team_;

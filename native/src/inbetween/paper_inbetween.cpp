@@ -160,6 +160,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
   ComplexRows points = ComplexRows::Zero(graph.n_vertices, last + 1), before;
   const double size = size_of(references_of(keys, options));
   const double tolerance = options.tolerance * size;
+  if (options.progress && !options.progress(0.0)) throw Cancelled();  // the factor is next
   ThreadTeam team(options.threads);
   std::optional<LocalStep> local;
   std::optional<GlobalStep> global;
