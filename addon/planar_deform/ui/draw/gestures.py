@@ -7,10 +7,9 @@ import bpy
 
 from ...scene.view import gesture
 from . import marks
+from .in_views import InViews
 
 CLASSES = ()
-
-_handle: object | None = None
 
 
 def _draw() -> None:
@@ -23,13 +22,12 @@ def _draw() -> None:
             marks.draw_strip(strip, context.preferences.system.ui_scale)
 
 
+_drawn = InViews(_draw, "POST_PIXEL")
+
+
 def register() -> None:
-    global _handle
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
+    _drawn.on()
 
 
 def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = None
+    _drawn.off()

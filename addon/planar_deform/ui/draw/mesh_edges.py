@@ -13,13 +13,13 @@ from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
 from ...scene.view.snapshot import Snapshot
 from ..tool.tool_state import pose_tool_is_active
+from .in_views import InViews
 
 CLASSES = ()
 
 EDGES = (0.05, 0.05, 0.06, 0.45)
 
 _made: WeakKeyDictionary[Snapshot, gpu.types.GPUBatch] = WeakKeyDictionary()  # for as long as that is kept
-_handle: object | None = None
 
 
 def _draw() -> None:
@@ -43,14 +43,13 @@ def _draw() -> None:
     gpu.state.blend_set("NONE")
 
 
+_drawn = InViews(_draw, "POST_VIEW")
+
+
 def register() -> None:
-    global _handle
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+    _drawn.on()
 
 
 def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = None
+    _drawn.off()
     _made.clear()

@@ -12,6 +12,7 @@ from mathutils import Matrix
 
 from ...scene.view import onion
 from ...scene.view.onion import Onion
+from .in_views import InViews
 from .marks import Colour
 
 CLASSES = ()
@@ -25,7 +26,6 @@ WIDTH = 1.75  # pixels at a UI scale of 1
 Skins = tuple[tuple[Colour, gpu.types.GPUBatch], ...]  # colour and outline of each
 
 _made: WeakKeyDictionary[Onion, Skins] = WeakKeyDictionary()  # for as long as that is kept
-_handle: object | None = None
 
 
 def _draw() -> None:
@@ -55,14 +55,13 @@ def _draw() -> None:
     gpu.state.blend_set("NONE")
 
 
+_drawn = InViews(_draw, "POST_VIEW")
+
+
 def register() -> None:
-    global _handle
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+    _drawn.on()
 
 
 def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = None
+    _drawn.off()
     _made.clear()

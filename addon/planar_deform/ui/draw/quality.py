@@ -16,6 +16,7 @@ from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
 from ...scene.view.snapshot import Snapshot
 from . import marks
+from .in_views import InViews
 
 CLASSES = ()
 
@@ -59,7 +60,6 @@ class _Made:
 
 _made: WeakKeyDictionary[Snapshot, _Made] = WeakKeyDictionary()  # for as long as that is kept
 _bar: gpu.types.GPUBatch | None = None
-_handles: list[object] = []
 
 
 def colours(shares: Array) -> Array32:
@@ -181,16 +181,19 @@ def _draw_bar(left: float, bottom: float, width: float, height: float) -> None:
         _bar.draw(shader)
 
 
+_drawn = InViews(_draw_colours, "POST_VIEW"), InViews(_draw_legend, "POST_PIXEL")
+
+
 def register() -> None:
     """Draw from now on."""
-    for draw, stage in ((_draw_colours, "POST_VIEW"), (_draw_legend, "POST_PIXEL")):
-        _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", stage))
+    for drawn in _drawn:
+        drawn.on()
 
 
 def unregister() -> None:
     """Draw no more."""
     global _bar
-    while _handles:
-        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
+    for drawn in _drawn:
+        drawn.off()
     _made.clear()
     _bar = None

@@ -7,6 +7,7 @@ import bpy
 
 from ...scene.objects.cutout_object import pose_refusal
 from ...scene.pins.pin_list import has_pins
+from ..draw.in_views import InViews
 from .tool_state import pose_tool_is_active
 
 CLASSES = ()
@@ -14,7 +15,6 @@ CLASSES = ()
 FIRST = "Ctrl-click the drawing to add a pin, then drag it"
 
 _shown: dict[int, str] = {}  # by a window's address: what its status bar has been drawn with
-_handle: object | None = None
 
 
 def _text(context: bpy.types.Context) -> str:
@@ -40,16 +40,15 @@ def _watch() -> None:
         context.workspace.status_text_set(None)  # there is no other way to have it drawn anew
 
 
+_drawn = InViews(_watch, "POST_PIXEL")
+
+
 def register() -> None:
-    global _handle
     bpy.types.STATUSBAR_HT_header.prepend(_draw)
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_watch, (), "WINDOW", "POST_PIXEL")
+    _drawn.on()
 
 
 def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = None
+    _drawn.off()
     bpy.types.STATUSBAR_HT_header.remove(_draw)
     _shown.clear()
