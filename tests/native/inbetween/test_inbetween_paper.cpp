@@ -231,6 +231,19 @@ TEST_P(Algorithm, TellsProgressAndCanBeCancelled) {
   }
 }
 
+/// Calls far apart would keep a cancel waiting on large meshes.
+TEST(GlobalMethod, TellsProgressWithinEachPassOverTheFrames) {
+  const Shape shape = grid(24);
+  InbetweenOptions options;
+  options.method = InbetweenMethod::global;
+  options.threads = 1;  // a batch of tasks is at least one for each thread
+  options.max_iterations = 1;
+  int calls = 0;
+  options.progress = [&calls](double) { return ++calls > 0; };
+  inbetween({shape.vertices, rolled(shape.vertices, 1.0)}, uniform(100), shape.triangles, options);
+  EXPECT_GT(calls, 400);  // 796, and 60 with two calls in a step
+}
+
 TEST_P(Algorithm, NoBitDependsOnTheThreads) {
   const Shape shape = grid(9);
   const Points end = rolled(shape.vertices, 1.2);
