@@ -101,8 +101,8 @@ TEST(RestEnergy, ProjectionClampsTheEigenvaluesOfEachTriangle) {
     };
     const Eigen::Matrix2d jacobian = sides(x) * sides(rest).inverse();
     if (jacobian.determinant() < 0.05) continue;
-    // METHODS: the Hessian in j = vec J, columns first, from s = |j|², δ = det J. Sizes that the compiler
-    // does not know take it a quarter of the time.
+    // METHODS: the Hessian in j = vec J, columns first, from s = |j|², δ = det J.
+    // Matrices of a size known to the compiler take it longer.
     const Eigen::VectorXd j = Eigen::Map<const Eigen::VectorXd>(jacobian.data(), 4);
     const double s = j.squaredNorm(), d = jacobian.determinant();
     const Eigen::VectorXd dd = (Eigen::VectorXd(4) << j[3], -j[2], -j[1], j[0]).finished();
