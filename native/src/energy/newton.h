@@ -17,10 +17,9 @@ namespace planar {
 /// to where a triangle collapses, by Armijo's rule, and prolonged where the energy falls for longer than its
 /// Hessian expects. No triangle that lies as at rest when it begins is turned over, not even by rounding to
 /// float32. Where a triangle would collapse within a tenth of a step, the step is one in the metric of the
-/// Killing energy of the mesh as it is [Claici17]. Projection is
-/// too stiff under compression and where limbs bend: descents that no event waits for go by truncated Newton
-/// steps, in which conjugate gradients, preconditioned by the projected factor, give the Hessian its negative
-/// curvature back [Nocedal06].
+/// Killing energy of the mesh as it is [Claici17]. Projection is too stiff under compression and where limbs
+/// bend: descents that no event waits for go by truncated Newton steps, in which conjugate gradients,
+/// preconditioned by the projected factor, give the Hessian its negative curvature back [Nocedal06].
 ///
 /// What is done is counted, never timed: equal input gives equal bits.
 class Newton {

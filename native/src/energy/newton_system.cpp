@@ -12,7 +12,7 @@ namespace {
 constexpr double regularization = 1e-9;  // of the metric; 1 is the order of a triangle's blocks
 constexpr double most_regularization = 1.0;
 // Of conjugate gradients. Of 640 drags of ten characters that were hard to settle, half of them with slivers,
-// 2 take more than 60 Newton steps with five (12 did without any); fewer than five take more, eight no fewer.
+// 2 take more than 60 Newton steps with five; 12 did without any.
 constexpr int most_conjugate = 5;
 constexpr double accuracy = 0.1;  // of what is left of the gradient, in the metric; 0.03 hardly saves a step
 
