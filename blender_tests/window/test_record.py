@@ -242,7 +242,7 @@ def test_in_a_loop_the_last_time_counts(window: Window) -> Iterator[None]:
 
 
 def acted(window: Window, place: tuple[float, float, float], dz: float) -> Iterator[None]:
-    """Record from the first frame to the end of the range, which ends it, with a pin going up or down."""
+    """Record from the first frame to the end of the range, with a pin on its way up or down."""
     scene, (x, y, z) = bpy.context.scene, place
     scene.frame_set(1)
     yield from start(window)

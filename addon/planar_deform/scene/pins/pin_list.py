@@ -246,7 +246,7 @@ def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> Non
     alone = pin.owns_group and sum(other.group == pin.group for other in obj.planar.pins) == 1
     group = obj.vertex_groups.get(pin.group) if alone else None
     if group is None:
-        group = obj.vertex_groups.new(name=GROUP_NAME)
+        group = new_group(obj)
     group.remove(range(len(obj.data.vertices)))
     group.add(vertices, 1.0, "REPLACE")
     pin.group, pin.group_index, pin.owns_group, pin.kind = group.name, group.index, True, "PATCH"
