@@ -5,6 +5,7 @@ What operators start in a window is made here as they make it: without one they 
 """
 
 import base64
+import time
 
 import bpy
 import numpy as np
@@ -47,7 +48,9 @@ def drag(kind=None, *, settling=False):
     posing = ObjectPosing(context, settling=settling, unkeyed=kind is not None)
     session = Session(context, posing, "Keys") if kind is None else kind(context, posing)
     session.ask(STILL if settling else FAR)
-    session.catch_up()
+    until = time.monotonic() + 20.0
+    while not session.catch_up():  # which waits but a moment each time
+        assert time.monotonic() < until
     assert session.shown is not None
     return session
 
