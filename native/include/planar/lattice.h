@@ -144,7 +144,8 @@ struct LatticeReport {
 ///
 /// 3. (5) has an M×M matrix L where M×N terms are meant; (3), which its T refers to, is what is minimised.
 ///
-/// 4. In 3D, solve() looks at one ring for each of 2×2×2 parts of a cell, where that is worth it.
+/// 4. While dragging, solve() looks at one ring for each of 4×4 parts of a cell in 2D, 2×2×2 in 3D, where
+/// that is worth it. refine() and settle() look at all.
 ///
 /// 5. Anderson's acceleration of the alternation [Peng18], which has the same fixed points.
 ///

@@ -98,54 +98,56 @@ int HoldLattice::lying_wrong(const Points& u) {
   return static_cast<int>(std::count_if(areas_.begin(), areas_.end(), [](double a) { return !(a > 0.0); }));
 }
 
-HoldLattice::Outcome HoldLattice::move(const LatticeSprings<2>& springs, int flipped, Points& d) {
+HoldLattice::Outcome HoldLattice::move(const LatticeSprings<2>& springs, LatticePose<2>& pose) {
   const Over over = n_samples_ > 0 ? Over::samples : Over::triangles;
   samples_.shorten(n_samples_);
-  // The lowest of the states to begin at, none with a triangle turned over; d itself wins a draw.
-  std::vector<Points> states = starts<2>(springs, lattice_rest_, d);
+  // The lowest of the states to begin at, none with a triangle turned over; the pose itself wins a draw.
+  std::vector<Points> states = starts<2>(springs, lattice_rest_, pose.d);
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    if (over == Over::triangles) product<2>(weights_, states[i], u_);
-    const double energy = value(springs, over, states[i], u_);
+    if (over == Over::triangles && i > 0) product<2>(weights_, states[i], trial_u_);
+    const double energy = value(springs, over, states[i], i > 0 ? trial_u_ : pose.u);
     order.emplace_back(std::isfinite(energy) ? energy : infinity, i);
   }
   std::stable_sort(order.begin(), order.end());
   for (const auto& [energy, i] : order) {
     if (energy == infinity) break;
-    product<2>(weights_, states[i], u_);
-    if (i == 0 ? flipped > 0 && !shape_.is_upright(u_) : !shape_.is_upright(u_)) continue;
-    Points next = std::move(states[i]);
-    const Outcome outcome = descend(springs, over, move_budget, next);
-    d = std::move(next);
-    return outcome;
+    if (i == 0) {
+      if (pose.wrong == 0 || shape_.is_upright(pose.u)) return descend(springs, over, move_budget, pose);
+      continue;
+    }
+    LatticePose<2> other;
+    other.d = std::move(states[i]);
+    product<2>(weights_, other.d, other.u);
+    if (!shape_.is_upright(other.u)) continue;
+    other.wrong = lying_wrong(other.u);
+    pose = std::move(other);
+    return descend(springs, over, move_budget, pose);
   }
   throw SolveError(
       "no state to begin at: the targets are too far away, or locked points turn triangles over");
 }
 
-HoldLattice::Outcome HoldLattice::refine(const LatticeSprings<2>& springs, Points& d) {
-  return descend(springs, Over::triangles, move_budget, d);
+HoldLattice::Outcome HoldLattice::refine(const LatticeSprings<2>& springs, LatticePose<2>& pose) {
+  return descend(springs, Over::triangles, move_budget, pose);
 }
 
-HoldLattice::Outcome HoldLattice::settle(const LatticeSprings<2>& springs, Points& d) {
-  return descend(springs, Over::triangles, settle_budget, d);
+HoldLattice::Outcome HoldLattice::settle(const LatticeSprings<2>& springs, LatticePose<2>& pose) {
+  return descend(springs, Over::triangles, settle_budget, pose);
 }
 
 HoldLattice::Outcome HoldLattice::descend(const LatticeSprings<2>& springs, Over over, int budget,
-                                          Points& d) {
+                                          LatticePose<2>& pose) {
   Outcome outcome;
-  product<2>(weights_, d, u_);
-  wrong_ = lying_wrong(u_);
-  outcome.flipped = orientation_.count_flipped(positions_);
-  for (int i = 0; i < budget; ++i) {
-    const double energy = gradient(springs, over, d, u_);
+  while (outcome.iterations < budget) {
+    double energy = gradient(springs, over, pose.d, pose.u);
     if (!std::isfinite(energy) || !gradient_.allFinite()) {
       throw SolveError("the energy is not finite: the targets are too far away");
     }
     if (over == Over::samples) {
-      system_.factorize(samples_, d, shape_weight_);
+      system_.factorize(samples_, pose.d, shape_weight_);
     } else {
-      system_.factorize(u_, shape_weight_);
+      system_.factorize(pose.u, shape_weight_);
     }
     system_.solve(gradient_, step_);
     product<2>(weights_, step_, du_);
@@ -156,15 +158,13 @@ HoldLattice::Outcome HoldLattice::descend(const LatticeSprings<2>& springs, Over
       return outcome;
     }
     ++outcome.iterations;
-    const HeldShape::Collapse collapse = shape_.first_collapse(u_, du_);
+    const HeldShape::Collapse collapse = shape_.first_collapse(pose.u, du_);
     const double furthest = std::min(1.0, margin * collapse.t);
-    double from = energy;
     if (over == Over::samples && collapse.t < blocked) {
-      join(furthest, collapse.triangle);
-      from = value(springs, over, d, u_);
+      join(pose.u, furthest, collapse.triangle);
+      energy = value(springs, over, pose.d, pose.u);
     }
-    const double t = search(springs, over, from, furthest, d);
-    if (t > 0.0) outcome.flipped = wrong_ == 0 ? 0 : orientation_.count_flipped(positions_);
+    const double t = search(springs, over, energy, furthest, pose);
     if (length <= settled * size_ && (t == 0.0 || t == 1.0)) {
       outcome.converged = over == Over::triangles;
       return outcome;
@@ -174,20 +174,22 @@ HoldLattice::Outcome HoldLattice::descend(const LatticeSprings<2>& springs, Over
   return outcome;
 }
 
-/// Moves d and u_ along the step by Armijo's rule, at most `furthest` of it; by how much.
+/// Moves the pose along the step by Armijo's rule, at most `furthest` of it; by how much.
 double HoldLattice::search(const LatticeSprings<2>& springs, Over over, double value_before, double furthest,
-                           Points& d) {
+                           LatticePose<2>& pose) {
   const double slope = gradient_.cwiseProduct(step_).sum();
   const double error = rounding * (std::abs(value_before) + shape_weight_ * shape_.area());
   double t = furthest;
   for (int halvings = 0; halvings <= halving_budget; ++halvings, t *= 0.5) {
-    trial_d_ = d + t * step_;
-    trial_u_ = u_ + t * du_;
+    trial_d_ = pose.d + t * step_;
+    trial_u_ = pose.u + t * du_;
     const double reached = value(springs, over, trial_d_, trial_u_);
     if (!Newton::lessens(value_before, reached, t, slope, error)) continue;
-    if (lying_wrong(trial_u_) > wrong_) continue;
-    std::swap(d, trial_d_);
-    std::swap(u_, trial_u_);
+    const int wrong = lying_wrong(trial_u_);
+    if (wrong > pose.wrong) continue;
+    std::swap(pose.d, trial_d_);
+    std::swap(pose.u, trial_u_);
+    pose.wrong = wrong;
     return t;
   }
   return 0.0;
@@ -195,10 +197,10 @@ double HoldLattice::search(const LatticeSprings<2>& springs, Over over, double v
 
 /// Takes the triangles that are badly distorted t along the step, and the one that blocks it, among the
 /// samples.
-void HoldLattice::join(double t, int blocking) {
+void HoldLattice::join(const Points& u, double t, int blocking) {
   std::vector<char> known(shape_.triangles().size(), 0);
   for (std::size_t i = 0; i < samples_.size(); ++i) known[at(samples_.triangle(i))] = 1;
-  trial_u_ = u_ + t * du_;
+  trial_u_ = u + t * du_;
   for (std::size_t n = 0; n < shape_.triangles().size(); ++n) {
     const HeldShape::Triangle& triangle = shape_.triangles()[n];
     const int number = static_cast<int>(n);

@@ -19,9 +19,9 @@ class HoldLattice : public LatticeMethod<2> {
               const Points& lattice_rest, double size, double shape_weight, double smooth);
 
   void compile(const LatticeSprings<2>& springs) override { system_.compile(springs); }
-  Outcome move(const LatticeSprings<2>& springs, int flipped, Points& d) override;
-  Outcome refine(const LatticeSprings<2>& springs, Points& d) override;
-  Outcome settle(const LatticeSprings<2>& springs, Points& d) override;
+  Outcome move(const LatticeSprings<2>& springs, LatticePose<2>& pose) override;
+  Outcome refine(const LatticeSprings<2>& springs, LatticePose<2>& pose) override;
+  Outcome settle(const LatticeSprings<2>& springs, LatticePose<2>& pose) override;
 
  private:
   /// What energy and Hessian are summed over.
@@ -31,11 +31,12 @@ class HoldLattice : public LatticeMethod<2> {
               const Points& lattice_rest, const LatticeFrame& frame, double size, double shape_weight,
               double smooth);
 
-  Outcome descend(const LatticeSprings<2>& springs, Over over, int budget, Points& d);
+  Outcome descend(const LatticeSprings<2>& springs, Over over, int budget, LatticePose<2>& pose);
   double value(const LatticeSprings<2>& springs, Over over, const Points& d, const Points& u) const;
   double gradient(const LatticeSprings<2>& springs, Over over, const Points& d, const Points& u);
-  double search(const LatticeSprings<2>& springs, Over over, double value, double furthest, Points& d);
-  void join(double t, int blocking);
+  double search(const LatticeSprings<2>& springs, Over over, double value, double furthest,
+                LatticePose<2>& pose);
+  void join(const Points& u, double t, int blocking);
   int lying_wrong(const Points& u);
 
   const Points& rest_;
@@ -47,9 +48,8 @@ class HoldLattice : public LatticeMethod<2> {
   HeldSystem system_;
   HeldSamples samples_;
   std::size_t n_samples_ = 0;  ///< of samples_: those that are always there; 0: there are none
-  int wrong_ = 0;              ///< triangles that lay wrong when the descent began
 
-  Points u_, du_, gradient_, vertex_gradient_, step_, trial_d_, trial_u_, positions_;
+  Points du_, gradient_, vertex_gradient_, step_, trial_d_, trial_u_, positions_;
   std::vector<double> areas_;
 };
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "base/checks.h"
 #include "base/index.h"
 #include "lattice/hold_lattice.h"
 #include "lattice/lattice_input.h"
 #include "lattice/paper_lattice.h"
+#include "mesh/orientation.h"
 #include "mesh/triangle_shape.h"
 #include "planar/lattice.h"
 
@@ -49,7 +53,7 @@ struct LatticeSolver::StateIn : State {
         points_at_rest(lattice_rest_),
         size((rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm()),
         springs(points_at_rest.rows()),
-        d(Rows<D>::Zero(points_at_rest.rows(), D)) {
+        pose{Rows<D>::Zero(points_at_rest.rows(), D), Rows<D>::Zero(rest.rows(), D), 0} {
     const bool hold = kind == LatticeMethodKind::hold;
     mesh_weight = options.weight_mesh.value_or(hold ? hold_handle : paper_handle);
     lattice_weight = options.weight_lattice.value_or(hold ? hold_handle : paper_handle);
@@ -60,6 +64,7 @@ struct LatticeSolver::StateIn : State {
         if (hold) {
           method = std::make_unique<HoldLattice>(rest, *triangles, weights, points_at_rest, size,
                                                  options.weight_shape, weight_rest);
+          keeps_upright = true;
         }
       }
     }
@@ -80,9 +85,11 @@ struct LatticeSolver::StateIn : State {
   void settle() override { go_on(&LatticeMethod<D>::settle); }
   void reset(const Coordinates& to) override;
 
-  void go_on(Outcome (LatticeMethod<D>::*work)(const LatticeSprings<D>&, Rows<D>&));
-  void show(const LatticeSprings<D>& towards, Rows<D> next, const Outcome& outcome);
-  int flipped(const Rows<D>& x) const;
+  void go_on(Outcome (LatticeMethod<D>::*work)(const LatticeSprings<D>&, LatticePose<D>&));
+  /// What a call has come to. Throws nothing once it changes the state.
+  void show(const LatticeSprings<D>& towards, LatticePose<D> next, const Outcome& outcome);
+  /// Triangles that lie the other way round, and those that are wrong in a LatticePose, at x.
+  std::pair<int, int> count_wrong(const Rows<D>& x) const;
   /// Compiled with these handles, or else with those before, if that works again.
   void compile(const LatticeSprings<D>& next);
 
@@ -93,16 +100,24 @@ struct LatticeSolver::StateIn : State {
   std::unique_ptr<LatticeMethod<D>> method;
   std::optional<Orientation> orientation;
   LatticeSprings<D> springs;
+  bool keeps_upright = false;  ///< the method knows of triangles that lie wrong
   bool compiled = true, has_targets = false;
-  Rows<D> d;
+  LatticePose<D> pose;
 };
 
 template <int D>
-int LatticeSolver::StateIn<D>::flipped(const Rows<D>& x) const {
+std::pair<int, int> LatticeSolver::StateIn<D>::count_wrong(const Rows<D>& x) const {
+  std::pair<int, int> result{0, 0};
   if constexpr (D == 2) {
-    if (orientation) return orientation->count_flipped(x);
+    if (!orientation) return result;
+    std::vector<double> areas;
+    orientation->measure(x, areas);
+    for (const double area : areas) {
+      result.first += area < 0.0;
+      result.second += !(area > 0.0);
+    }
   }
-  return 0;
+  return result;
 }
 
 template <int D>
@@ -164,29 +179,31 @@ void LatticeSolver::StateIn<D>::solve(const Coordinates& mesh_targets, const Coo
   LatticeSprings<D> towards = springs;
   if (mesh_targets.rows() > 0) towards.targets = mesh_targets;
   if (n_points > 0) towards.point_targets = lattice_targets;
-  Rows<D> next = d;
   if (!compiled) compile(springs);
-  const Outcome outcome = method->move(towards, report.flipped, next);
+  LatticePose<D> next = pose;
+  const Outcome outcome = method->move(towards, next);
   show(towards, std::move(next), outcome);
   springs = std::move(towards);
   has_targets = true;
 }
 
 template <int D>
-void LatticeSolver::StateIn<D>::go_on(Outcome (LatticeMethod<D>::*work)(const LatticeSprings<D>&, Rows<D>&)) {
+void LatticeSolver::StateIn<D>::go_on(Outcome (LatticeMethod<D>::*work)(const LatticeSprings<D>&,
+                                                                        LatticePose<D>&)) {
   if (!has_targets) return;
   if (!compiled) compile(springs);
-  Rows<D> next = d;
+  LatticePose<D> next = pose;
   const Outcome outcome = (method.get()->*work)(springs, next);
   show(springs, std::move(next), outcome);
 }
 
 template <int D>
-void LatticeSolver::StateIn<D>::show(const LatticeSprings<D>& towards, Rows<D> next, const Outcome& outcome) {
+void LatticeSolver::StateIn<D>::show(const LatticeSprings<D>& towards, LatticePose<D> next,
+                                     const Outcome& outcome) {
   LatticeReport done;
   done.iterations = outcome.iterations;
   done.converged = outcome.converged;
-  done.handle_distance = (towards.places(next) - towards.targets).rowwise().norm();
+  done.handle_distance = (towards.places(next.d) - towards.targets).rowwise().norm();
   for (Eigen::Index h = 0; h < done.handle_distance.size(); ++h) {
     done.furthest_handle = std::max(done.furthest_handle, done.handle_distance[h]);
     if (done.handle_distance[h] > unreached * size) done.unreached.push_back(static_cast<int>(h));
@@ -194,16 +211,14 @@ void LatticeSolver::StateIn<D>::show(const LatticeSprings<D>& towards, Rows<D> n
   for (std::size_t i = 0; i < towards.points.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const double off =
-        (towards.point_rest.row(row) + next.row(towards.points[i]) - towards.point_targets.row(row)).norm();
+        (towards.point_rest.row(row) + next.d.row(towards.points[i]) - towards.point_targets.row(row)).norm();
     done.furthest_handle = std::max(done.furthest_handle, off);
   }
-  Rows<D> u;
-  product<D>(weights, next, u);
-  const Rows<D> x = rest + u;
-  done.flipped = flipped(x);
+  const Rows<D> x = rest + next.u;
+  if (!keeps_upright || next.wrong > 0) std::tie(done.flipped, next.wrong) = count_wrong(x);
   positions = x;
-  points = points_at_rest + next;
-  d = std::move(next);
+  points = points_at_rest + next.d;
+  pose = std::move(next);
   report = std::move(done);
 }
 
@@ -215,15 +230,17 @@ void LatticeSolver::StateIn<D>::reset(const Coordinates& to) {
                                 std::to_string(D));
   }
   require_finite_rows("points", to);
-  d = Rows<D>(to) - points_at_rest;
-  Rows<D> u;
-  product<D>(weights, d, u);
-  const Rows<D> x = rest + u;
+  LatticePose<D> next;
+  next.d = Rows<D>(to) - points_at_rest;
+  product<D>(weights, next.d, next.u);
+  const Rows<D> x = rest + next.u;
+  LatticeReport done;
+  std::tie(done.flipped, next.wrong) = count_wrong(x);
   positions = x;
   points = to;
+  pose = std::move(next);
+  report = std::move(done);
   has_targets = false;
-  report = {};
-  report.flipped = flipped(x);
 }
 
 LatticeSolver::LatticeSolver(const Coordinates& rest, const Elements& elements, const LatticeWeights& weights,

@@ -12,7 +12,7 @@ namespace planar {
 
 namespace {
 
-constexpr int sample_parts = 2;          // of a cell along each axis
+constexpr int sample_parts_2d = 4, sample_parts_3d = 2;  // of a cell along each axis
 constexpr double worth_sampling = 0.25;  // of the rings: more samples are not worth it
 constexpr int move_budget = 4;
 constexpr int settle_budget = 1000;
@@ -24,7 +24,7 @@ constexpr double settled = 1e-6;   // of the size: a change of the points after 
 template <int D>
 PaperLattice<D>::PaperLattice(const Rows<D>& rest, const Elements& elements, const LatticeWeights& weights,
                               const Rows<D>& lattice_rest, double size, const PaperWeights& options)
-    : lattice_rest_(lattice_rest), size_(size), rigid_following_(options.rigid_following) {
+    : weights_(weights), lattice_rest_(lattice_rest), size_(size), rigid_following_(options.rigid_following) {
   const WeightedEdges edges =
       options.by_area ? area_edges(rest, elements) : uniform_edges(rest.rows(), elements);
   const std::vector<std::array<int, 2>> coupled = couplings(weights, edges.edge);
@@ -33,16 +33,16 @@ PaperLattice<D>::PaperLattice(const Rows<D>& rest, const Elements& elements, con
                           options.rigid_following);
   };
   exact_.emplace(make(RingEnergy<D>(rest, weights, edges)));
-  if (D == 2) return;
   const Eigen::VectorXd measures = RingEnergy<D>::measures(rest, edges);
   std::vector<int> weighty;
   for (int i = 0; i < static_cast<int>(measures.size()); ++i) {
     if (measures[i] > 0.0) weighty.push_back(i);
   }
   const Eigen::VectorXd their = measures(weighty);
-  const SubCells cells(LatticeFrame(lattice_rest).in_steps(rest(weighty, Eigen::all)), their, sample_parts);
+  const SubCells cells(LatticeFrame(lattice_rest).in_steps(rest(weighty, Eigen::all)), their,
+                       D == 2 ? sample_parts_2d : sample_parts_3d);
   const auto n = static_cast<Eigen::Index>(cells.middle.size());
-  if (static_cast<double>(n) > worth_sampling * static_cast<double>(rest.rows())) return;
+  if (n == 0 || static_cast<double>(n) > worth_sampling * static_cast<double>(rest.rows())) return;
   std::vector<int> centres;
   Eigen::VectorXd multiple(n);
   for (Eigen::Index c = 0; c < n; ++c) {
@@ -60,79 +60,71 @@ void PaperLattice<D>::compile(const LatticeSprings<D>& springs) {
 }
 
 template <int D>
-typename PaperLattice<D>::Outcome PaperLattice<D>::move(const LatticeSprings<D>& springs, int /*flipped*/,
-                                                        Rows<D>& d) {
+typename PaperLattice<D>::Outcome PaperLattice<D>::move(const LatticeSprings<D>& springs,
+                                                        LatticePose<D>& pose) {
   PaperSystem<D>& system = sampled_ ? *sampled_ : *exact_;
-  // The lowest of the states to begin at; d itself wins a draw.
-  std::vector<Rows<D>> states{d};
-  if (rigid_following_) states = starts<D>(springs, lattice_rest_, d);
-  std::size_t best = 0;
-  double least = system.step(springs, d, nullptr);
-  for (std::size_t i = 1; i < states.size(); ++i) {
-    const double energy = system.step(springs, states[i], nullptr);
-    if (energy < least) {
+  if (rigid_following_) {
+    // The lowest of the states to begin at; the pose itself wins a draw.
+    double least = system.step(springs, pose.d, nullptr);
+    for (Rows<D>& state : starts<D>(springs, lattice_rest_, pose.d)) {
+      const double energy = system.step(springs, state, nullptr);
+      if (!(energy < least)) continue;
       least = energy;
-      best = i;
+      pose.d = std::move(state);
     }
   }
-  Rows<D> next = std::move(states[best]);
-  Outcome outcome = iterate(system, springs, move_budget, next);
+  Outcome outcome = iterate(system, springs, move_budget, pose);
   if (sampled_) outcome.converged = false;
-  d = std::move(next);
   return outcome;
 }
 
 template <int D>
-typename PaperLattice<D>::Outcome PaperLattice<D>::refine(const LatticeSprings<D>& springs, Rows<D>& d) {
-  return iterate(*exact_, springs, move_budget, d);
+typename PaperLattice<D>::Outcome PaperLattice<D>::refine(const LatticeSprings<D>& springs,
+                                                          LatticePose<D>& pose) {
+  return iterate(*exact_, springs, move_budget, pose);
 }
 
 template <int D>
-typename PaperLattice<D>::Outcome PaperLattice<D>::settle(const LatticeSprings<D>& springs, Rows<D>& d) {
-  return iterate(*exact_, springs, settle_budget, d);
+typename PaperLattice<D>::Outcome PaperLattice<D>::settle(const LatticeSprings<D>& springs,
+                                                          LatticePose<D>& pose) {
+  return iterate(*exact_, springs, settle_budget, pose);
 }
 
-/// Accelerated, but for steps that lead up [Peng18].
+/// Accelerated; a step that led up is taken back for the plain one [Peng18].
 template <int D>
 typename PaperLattice<D>::Outcome PaperLattice<D>::iterate(PaperSystem<D>& system,
                                                            const LatticeSprings<D>& springs, int budget,
-                                                           Rows<D>& d) {
+                                                           LatticePose<D>& pose) {
   Outcome outcome;
   Anderson anderson(window);
-  Rows<D> mapped, plain;
+  Rows<D>& d = pose.d;
+  Rows<D> mapped, plain;  // of d; of the one before, which is where the alternation itself would be
   double last = 0.0;
-  bool accelerated = false;
   const auto flat = [](const Rows<D>& rows) {
     return Eigen::Map<const Eigen::VectorXd>(rows.data(), rows.size());
   };
-  while (outcome.iterations < budget) {
+  bool accelerated = false;
+  while (outcome.iterations < budget && !outcome.converged) {
     ++outcome.iterations;
     const double energy = system.step(springs, d, &mapped);
-    if (!std::isfinite(energy) || !mapped.allFinite()) {
-      if (!accelerated) throw SolveError("the energy is not finite: the targets are too far away");
-    }
-    if (accelerated && !(energy <= last)) {
+    const bool finite = std::isfinite(energy) && mapped.allFinite();
+    if (accelerated && !(finite && energy <= last)) {
       d = plain;
-      anderson.restart();
       accelerated = false;
+      anderson.restart();
       continue;
     }
+    if (!finite) throw SolveError("the energy is not finite: the targets are too far away");
     last = energy;
-    const double change = std::sqrt((mapped - d).rowwise().squaredNorm().maxCoeff());
-    if (change <= settled * size_) {
-      d = mapped;
-      outcome.converged = true;
-      return outcome;
-    }
     plain = mapped;
+    outcome.converged = std::sqrt((mapped - d).rowwise().squaredNorm().maxCoeff()) <= settled * size_;
     const Eigen::VectorXd next = anderson.next(flat(d), flat(mapped));
     d = Eigen::Map<const Rows<D>>(next.data(), d.rows(), D);
     accelerated = true;
   }
-  if (accelerated) {
-    // The last one was not looked at: what is known to lead down is returned.
-    d = plain;
-  }
+  // The last one was not looked at: it is the plain one that is known to lead down.
+  if (accelerated) d = plain;
+  product<D>(weights_, d, pose.u);
   return outcome;
 }
 

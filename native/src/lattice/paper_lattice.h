@@ -20,19 +20,20 @@ class PaperLattice : public LatticeMethod<D> {
  public:
   using Outcome = typename LatticeMethod<D>::Outcome;
 
-  /// \param lattice_rest must outlive this
+  /// \param weights, lattice_rest must outlive this
   /// \param size of the rest: lengths are small or large beside it
   PaperLattice(const Rows<D>& rest, const Elements& elements, const LatticeWeights& weights,
                const Rows<D>& lattice_rest, double size, const PaperWeights& options);
 
   void compile(const LatticeSprings<D>& springs) override;
-  Outcome move(const LatticeSprings<D>& springs, int flipped, Rows<D>& d) override;
-  Outcome refine(const LatticeSprings<D>& springs, Rows<D>& d) override;
-  Outcome settle(const LatticeSprings<D>& springs, Rows<D>& d) override;
+  Outcome move(const LatticeSprings<D>& springs, LatticePose<D>& pose) override;
+  Outcome refine(const LatticeSprings<D>& springs, LatticePose<D>& pose) override;
+  Outcome settle(const LatticeSprings<D>& springs, LatticePose<D>& pose) override;
 
  private:
-  Outcome iterate(PaperSystem<D>& system, const LatticeSprings<D>& springs, int budget, Rows<D>& d);
+  Outcome iterate(PaperSystem<D>& system, const LatticeSprings<D>& springs, int budget, LatticePose<D>& pose);
 
+  const LatticeWeights& weights_;
   const Rows<D>& lattice_rest_;
   double size_;
   bool rigid_following_;

@@ -9,7 +9,8 @@ namespace planar {
 
 namespace {
 
-// Of the mean of the diagonal, where the matrix is singular without: nothing holds points that nothing touches.
+// Of the mean of the diagonal, where the matrix is singular without: nothing holds points that nothing
+// touches.
 constexpr double regularization = 1e-10;
 constexpr double most_regularization = 1e-2;
 

@@ -147,7 +147,7 @@ TEST(HoldLattice, SettlesWhereADenseNewtonDoes) {
 
 /// METHODS: the result depends on the shape and not on how finely it is meshed.
 TEST(HoldLattice, SplittingHalfOfTheMeshFinerChangesLittle) {
-  const Shape coarse = bar(24, 6);
+  const Shape coarse = bar(48, 12);
   // Triangles right of the middle are cut in four, and those next to them to fit.
   Shape fine = coarse;
   std::map<std::pair<int, int>, int> middle;
@@ -189,7 +189,7 @@ TEST(HoldLattice, SplittingHalfOfTheMeshFinerChangesLittle) {
   }
   ASSERT_GT(fine.triangles.rows(), 2 * coarse.triangles.rows());
 
-  const std::vector<int> pins{0, 150, 99};
+  const std::vector<int> pins{0, 588, 342};
   std::vector<Coordinates> results;
   for (const Shape& shape : {coarse, fine}) {
     const InLattice in(shape, {10, 6});

@@ -60,7 +60,8 @@ TEST_F(Hostile, OptionsAreChecked) {
   options.method = LatticeMethodKind::hold;
   Edges edges(1, 2);
   edges << 0, 1;
-  EXPECT_REFUSAL(made(rest, std::move(edges), in.weights, in.lattice_rest, options), "method: 'hold' needs triangles");
+  EXPECT_REFUSAL(made(rest, std::move(edges), in.weights, in.lattice_rest, options),
+                 "method: 'hold' needs triangles");
   options = {};
   options.weight_shape = 0.0;
   EXPECT_REFUSAL(in.solver(options), "weight_shape must be a finite number above 0");
