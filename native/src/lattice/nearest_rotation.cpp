@@ -40,7 +40,7 @@ double largest_eigenvalue(const Eigen::Matrix4d& n, double above) {
 
 }  // namespace
 
-/// The rotation's quaternion is the eigenvector of the largest eigenvalue of a 4×4 matrix (Horn 1987). It is
+/// The rotation's quaternion is the eigenvector of the largest eigenvalue of a 4×4 matrix [Horn87]. It is
 /// a column of the adjugate at that eigenvalue, polished by one step of inverse iteration; where that has
 /// lost its digits, as two eigenvalues are nearly the same, the matrix is diagonalised.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& s) {
