@@ -10,6 +10,12 @@
 
 namespace planar {
 
+namespace {
+
+constexpr double latest = 4.0;  // t of a collapse that is of interest
+
+}  // namespace
+
 double Jacobian::value() const {
   const double d = delta(), s = square();
   return d > 0.0 ? s + s / (d * d) - 4.0 : std::numeric_limits<double>::infinity();
@@ -43,16 +49,9 @@ std::array<std::array<double, 4>, 4> Jacobian::form() const {
   return result;
 }
 
-std::array<double, 4> HeldShape::Triangle::change(const Points& u) const {
-  const double* u0 = u.data() + 2 * static_cast<std::ptrdiff_t>(vertex[0]);
-  const double* u1 = u.data() + 2 * static_cast<std::ptrdiff_t>(vertex[1]);
-  const double* u2 = u.data() + 2 * static_cast<std::ptrdiff_t>(vertex[2]);
-  const double x1 = u1[0] - u0[0], y1 = u1[1] - u0[1], x2 = u2[0] - u0[0], y2 = u2[1] - u0[1];
-  return {g1x * x1 + g2x * x2, g1y * x1 + g2y * x2, g1x * y1 + g2x * y2, g1y * y1 + g2y * y2};
-}
-
-HeldShape::HeldShape(const Points& rest, const Triangles& triangles, const Flags& flat) {
+HeldShape::HeldShape(const Points& rest, const Triangles& triangles, const Flags& flat) : rest_(rest) {
   triangles_.reserve(at(triangles.rows()));
+  corners_.reserve(at(triangles.rows()));
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     if (flat[t]) continue;
     const std::array<int, 3> v{triangles(t, 0), triangles(t, 1), triangles(t, 2)};
@@ -62,6 +61,7 @@ HeldShape::HeldShape(const Points& rest, const Triangles& triangles, const Flags
     triangles_.push_back({v, -side1.y() / doubled, side1.x() / doubled, -side2.y() / doubled,
                           side2.x() / doubled, 0.5 * std::abs(doubled)});
     area_ += triangles_.back().area;
+    corners_.push_back(doubled > 0.0 ? v : std::array{v[0], v[2], v[1]});
   }
 }
 
@@ -88,23 +88,55 @@ double HeldShape::gradient(const Points& u, Points& result) const {
   return sum;
 }
 
+namespace {
+
+/// Two sides of a triangle, from its first corner.
+struct Sides {
+  double ax, ay, bx, by;
+
+  Sides(const Points& x, const std::array<int, 3>& corner) {
+    const double* p0 = x.data() + 2 * static_cast<std::ptrdiff_t>(corner[0]);
+    const double* p1 = x.data() + 2 * static_cast<std::ptrdiff_t>(corner[1]);
+    const double* p2 = x.data() + 2 * static_cast<std::ptrdiff_t>(corner[2]);
+    ax = p1[0] - p0[0];
+    ay = p1[1] - p0[1];
+    bx = p2[0] - p0[0];
+    by = p2[1] - p0[1];
+  }
+
+  void add(const Sides& other) {
+    ax += other.ax;
+    ay += other.ay;
+    bx += other.bx;
+    by += other.by;
+  }
+  double doubled_area() const { return ax * by - ay * bx; }
+};
+
+}  // namespace
+
 bool HeldShape::is_upright(const Points& u) const {
-  return std::all_of(triangles_.begin(), triangles_.end(),
-                     [&u](const Triangle& triangle) { return triangle.jacobian(u).delta() > 0.0; });
+  return std::all_of(corners_.begin(), corners_.end(), [&](const std::array<int, 3>& corner) {
+    Sides sides(rest_, corner);
+    sides.add({u, corner});
+    return sides.doubled_area() > 0.0;
+  });
 }
 
 HeldShape::Collapse HeldShape::first_collapse(const Points& u, const Points& du) const {
   Collapse first{std::numeric_limits<double>::infinity(), -1};
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const Jacobian j = triangles_[t].jacobian(u);
-    const std::array<double, 4> k = triangles_[t].change(du);
-    // δ(t) = c0 + c1 t + c2 t²
-    const double c0 = j.delta();
+  for (std::size_t t = 0; t < corners_.size(); ++t) {
+    Sides side(rest_, corners_[t]);
+    side.add({u, corners_[t]});
+    const Sides way(du, corners_[t]);
+    // Twice the area is c0 + c1 t + c2 t².
+    const double c0 = side.doubled_area(), c2 = way.doubled_area();
     if (!(c0 > 0.0)) continue;
-    const double c1 = (j.entry[0] * k[3] + j.entry[3] * k[0]) - (j.entry[1] * k[2] + j.entry[2] * k[1]);
-    const double c2 = k[0] * k[3] - k[1] * k[2];
+    const double c1 = (side.ax * way.by - side.ay * way.bx) + (way.ax * side.by - way.ay * side.bx);
+    const double soon = std::min(first.t, latest);
+    if (c0 + soon * (std::min(c1, 0.0) + soon * std::min(c2, 0.0)) > 0.0) continue;
     const double discriminant = c1 * c1 - 4.0 * c0 * c2;
-    if (discriminant < 0.0 || (c1 >= 0.0 && c2 >= 0.0)) continue;
+    if (discriminant < 0.0) continue;
     // The least positive root, in the form that does not cancel and holds for c2 = 0 as well.
     const double q = std::sqrt(discriminant) - c1;
     if (q > 0.0 && 2.0 * c0 < first.t * q) first = {2.0 * c0 / q, static_cast<int>(t)};

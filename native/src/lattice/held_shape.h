@@ -43,7 +43,13 @@ class HeldShape {
       return c == 1 ? std::array<double, 2>{g1x, g1y} : std::array<double, 2>{g2x, g2y};
     }
     /// What u adds to J.
-    std::array<double, 4> change(const Points& u) const;
+    std::array<double, 4> change(const Points& u) const {
+      const double* u0 = u.data() + 2 * static_cast<std::ptrdiff_t>(vertex[0]);
+      const double* u1 = u.data() + 2 * static_cast<std::ptrdiff_t>(vertex[1]);
+      const double* u2 = u.data() + 2 * static_cast<std::ptrdiff_t>(vertex[2]);
+      const double x1 = u1[0] - u0[0], y1 = u1[1] - u0[1], x2 = u2[0] - u0[0], y2 = u2[1] - u0[1];
+      return {g1x * x1 + g2x * x2, g1y * x1 + g2y * x2, g1x * y1 + g2x * y2, g1y * y1 + g2y * y2};
+    }
     Jacobian jacobian(const Points& u) const {
       const std::array<double, 4> c = change(u);
       return {{1.0 + c[0], c[1], c[2], 1.0 + c[3]}};
@@ -62,14 +68,16 @@ class HeldShape {
   bool is_upright(const Points& u) const;
 
   struct Collapse {
-    double t = 0.0;  ///< infinite: never
+    double t = 0.0;  ///< infinite: not before 4
     int triangle = -1;
   };
   /// The first triangle without area on the way u + t du, t > 0; those without any at u do not count.
   Collapse first_collapse(const Points& u, const Points& du) const;
 
  private:
+  Points rest_;
   std::vector<Triangle> triangles_;
+  std::vector<std::array<int, 3>> corners_;  ///< of each, counter-clockwise at rest
   double area_ = 0.0;
 };
 

@@ -93,8 +93,12 @@ double HoldLattice::gradient(const LatticeSprings<2>& springs, Over over, const 
 
 /// Triangles that float32 has without area or the other way round.
 int HoldLattice::lying_wrong(const Points& u) {
-  positions_ = rest_ + u;
-  orientation_.measure(positions_, areas_);
+  // Rounded here, once for all triangles that a vertex has.
+  positions_.resize(u.rows(), 2);
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    positions_.data()[i] = static_cast<double>(static_cast<float>(rest_.data()[i] + u.data()[i]));
+  }
+  orientation_.measure_exactly(positions_, areas_);
   return static_cast<int>(std::count_if(areas_.begin(), areas_.end(), [](double a) { return !(a > 0.0); }));
 }
 

@@ -86,8 +86,8 @@ struct LatticeSolver::StateIn : State {
   void reset(const Coordinates& to) override;
 
   void go_on(Outcome (LatticeMethod<D>::*work)(const LatticeSprings<D>&, LatticePose<D>&));
-  /// What a call has come to. Throws nothing once it changes the state.
-  void show(const LatticeSprings<D>& towards, LatticePose<D> next, const Outcome& outcome);
+  /// Takes what is ahead as the pose.
+  void show(const LatticeSprings<D>& towards, const Outcome& outcome);
   /// Triangles that lie the other way round, and those that are wrong in a LatticePose, at x.
   std::pair<int, int> count_wrong(const Rows<D>& x) const;
   /// Compiled with these handles, or else with those before, if that works again.
@@ -103,6 +103,7 @@ struct LatticeSolver::StateIn : State {
   bool keeps_upright = false;  ///< the method knows of triangles that lie wrong
   bool compiled = true, has_targets = false;
   LatticePose<D> pose;
+  LatticePose<D> ahead;  ///< of a call under way
 };
 
 template <int D>
@@ -180,9 +181,9 @@ void LatticeSolver::StateIn<D>::solve(const Coordinates& mesh_targets, const Coo
   if (mesh_targets.rows() > 0) towards.targets = mesh_targets;
   if (n_points > 0) towards.point_targets = lattice_targets;
   if (!compiled) compile(springs);
-  LatticePose<D> next = pose;
-  const Outcome outcome = method->move(towards, next);
-  show(towards, std::move(next), outcome);
+  ahead = pose;
+  const Outcome outcome = method->move(towards, ahead);
+  show(towards, outcome);
   springs = std::move(towards);
   has_targets = true;
 }
@@ -192,18 +193,17 @@ void LatticeSolver::StateIn<D>::go_on(Outcome (LatticeMethod<D>::*work)(const La
                                                                         LatticePose<D>&)) {
   if (!has_targets) return;
   if (!compiled) compile(springs);
-  LatticePose<D> next = pose;
-  const Outcome outcome = (method.get()->*work)(springs, next);
-  show(springs, std::move(next), outcome);
+  ahead = pose;
+  const Outcome outcome = (method.get()->*work)(springs, ahead);
+  show(springs, outcome);
 }
 
 template <int D>
-void LatticeSolver::StateIn<D>::show(const LatticeSprings<D>& towards, LatticePose<D> next,
-                                     const Outcome& outcome) {
+void LatticeSolver::StateIn<D>::show(const LatticeSprings<D>& towards, const Outcome& outcome) {
   LatticeReport done;
   done.iterations = outcome.iterations;
   done.converged = outcome.converged;
-  done.handle_distance = (towards.places(next.d) - towards.targets).rowwise().norm();
+  done.handle_distance = (towards.places(ahead.d) - towards.targets).rowwise().norm();
   for (Eigen::Index h = 0; h < done.handle_distance.size(); ++h) {
     done.furthest_handle = std::max(done.furthest_handle, done.handle_distance[h]);
     if (done.handle_distance[h] > unreached * size) done.unreached.push_back(static_cast<int>(h));
@@ -211,14 +211,14 @@ void LatticeSolver::StateIn<D>::show(const LatticeSprings<D>& towards, LatticePo
   for (std::size_t i = 0; i < towards.points.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const double off =
-        (towards.point_rest.row(row) + next.d.row(towards.points[i]) - towards.point_targets.row(row)).norm();
+        (towards.point_rest.row(row) + ahead.d.row(towards.points[i]) - towards.point_targets.row(row))
+            .norm();
     done.furthest_handle = std::max(done.furthest_handle, off);
   }
-  const Rows<D> x = rest + next.u;
-  if (!keeps_upright || next.wrong > 0) std::tie(done.flipped, next.wrong) = count_wrong(x);
-  positions = x;
-  points = points_at_rest + next.d;
-  pose = std::move(next);
+  if (!keeps_upright || ahead.wrong > 0) std::tie(done.flipped, ahead.wrong) = count_wrong(rest + ahead.u);
+  positions = rest + ahead.u;
+  points = points_at_rest + ahead.d;
+  std::swap(pose, ahead);
   report = std::move(done);
 }
 
@@ -230,15 +230,13 @@ void LatticeSolver::StateIn<D>::reset(const Coordinates& to) {
                                 std::to_string(D));
   }
   require_finite_rows("points", to);
-  LatticePose<D> next;
-  next.d = Rows<D>(to) - points_at_rest;
-  product<D>(weights, next.d, next.u);
-  const Rows<D> x = rest + next.u;
+  ahead.d = Rows<D>(to) - points_at_rest;
+  product<D>(weights, ahead.d, ahead.u);
   LatticeReport done;
-  std::tie(done.flipped, next.wrong) = count_wrong(x);
-  positions = x;
+  std::tie(done.flipped, ahead.wrong) = count_wrong(rest + ahead.u);
+  positions = rest + ahead.u;
   points = to;
-  pose = std::move(next);
+  std::swap(pose, ahead);
   report = std::move(done);
   has_targets = false;
 }

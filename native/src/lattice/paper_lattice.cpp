@@ -13,7 +13,7 @@ namespace planar {
 namespace {
 
 constexpr int sample_parts_2d = 4, sample_parts_3d = 2;  // of a cell along each axis
-constexpr double worth_sampling = 0.25;  // of the rings: more samples are not worth it
+constexpr double worth_sampling = 0.25;                  // of the rings: more samples are not worth it
 constexpr int move_budget = 4;
 constexpr int settle_budget = 1000;
 constexpr std::size_t window = 8;  // of Anderson's acceleration
