@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, and how good
-the in-betweens of these poses are, beside the printed form and a polar blend, and how lattices pose, in one run.
+"""Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, how good the
+in-betweens of these poses are, beside the printed form and a polar blend, and how lattices pose, beside the
+printed form, in one run.
 
 Exits with 1 when one of the printed conditions fails. tools/figures.sh runs it with all it needs.
 """

@@ -15,15 +15,15 @@ SIZES = (10, 14)
 BASIS = "BSPLINE"
 
 LATTICES = f"""\
-Lattices, {BASIS}, one free cell on each side, one jump of the handles: area / angle distortion minus 2 as in the
-paper's Table 1 (it has 0.116 / 0.147 on its own character at 10 x 10) and flips. FFD: least squares of handles
-(100) and points at rest (0.01) alone. paper: as printed; following: with rigid_following and weights by area.
-hold, and its iterations and furthest handle in diagonals. hold flips nothing."""
+Lattices, {BASIS}, one free cell on each side, one jump of the handles: area / angle distortion minus 2 as in
+the paper's Table 1 (it has 0.116 / 0.147 on its own character at 10 x 10) and flips. FFD: least squares of
+handles (100) and points at rest (0.01) alone. paper: as printed; following: with rigid_following and weights
+by area. hold, and its steps and furthest handle in diagonals. hold flips nothing."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Lattice:
-    """A square lattice round a shape: its points N x 2, and weights as a matrix and as the module takes them."""
+    """A square lattice round a shape: points N x 2, and weights as the module gives and takes them."""
 
     points: np.ndarray
     weights: tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -62,7 +62,11 @@ def lattice_table(shapes: list[Shape]) -> bool:
     methods = ("FFD", "paper", "following", "hold")
     conditions = Conditions()
     for size in SIZES:
-        print(f"{f'{size} x {size}':13} " + " ".join(f"{name:>18}" for name in methods) + f" {'steps':>6} {'off':>8}")
+        print(
+            f"{f'{size} x {size}':13} "
+            + " ".join(f"{name:>18}" for name in methods)
+            + f" {'steps':>6} {'off':>8}"
+        )
         totals: dict[str, list[tuple[float, float, bool]]] = {name: [] for name in methods}
         for shape in shapes:
             lattice = Lattice.round(shape, size)
@@ -98,7 +102,9 @@ def lattice_table(shapes: list[Shape]) -> bool:
         print(
             f"{'median':13} "
             + " ".join(
-                "{:7.3f}/{:6.3f}{:4}".format(*np.median([t[:2] for t in rows], axis=0), sum(t[2] for t in rows))
+                "{:7.3f}/{:6.3f}{:4}".format(
+                    *np.median([t[:2] for t in rows], axis=0), sum(t[2] for t in rows)
+                )
                 for rows in totals.values()
             )
             + "  (flips: poses with any)\n"

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lattices from Python: Blender's weights in plain NumPy, positions that follow from the points, choices of the
-method, and the errors that name what is wrong."""
+"""Lattices from Python: Blender's weights in plain NumPy, positions that follow from the points, choices of
+the method, and the errors that name what is wrong."""
 
+import itertools
 import threading
 
 import native_reference as reference
@@ -29,14 +30,16 @@ def grid(counts, origin, spacing):
 
 def in_lattice(rest=REST, counts=(7, 6), kind="BSPLINE"):
     origin, spacing = fitted(rest, counts)
-    weights = planar_native.lattice_weights(rest, counts, [kind] * len(counts), origin=origin, spacing=spacing)
+    weights = planar_native.lattice_weights(
+        rest, counts, [kind] * len(counts), origin=origin, spacing=spacing
+    )
     return weights, grid(counts, origin, spacing)
 
 
 def dense(weights, columns):
     starts, indices, values = weights
     result = np.zeros((len(starts) - 1, columns))
-    for row, (start, end) in enumerate(zip(starts, starts[1:], strict=False)):
+    for row, (start, end) in enumerate(itertools.pairwise(starts)):
         result[row, indices[start:end]] = values[start:end]
     return result
 
@@ -211,7 +214,9 @@ def test_a_call_that_raises_changes_nothing():
         lambda: lattice.set_handles(PINS, weights=[0, 1, 1, 1]),
         lambda: lattice.reset(POINTS[1:]),
         lambda: planar_native.lattice_weights(REST, (65, 2), KINDS[:2], origin=[0, 0], spacing=[1, 1]),
-        lambda: planar_native.lattice_weights(REST, (5, 2), ["KEY_LINEAR"] * 2, origin=[0, 0], spacing=[1, 1]),
+        lambda: planar_native.lattice_weights(
+            REST, (5, 2), ["KEY_LINEAR"] * 2, origin=[0, 0], spacing=[1, 1]
+        ),
     ):
         with pytest.raises(ValueError, match=r"\w"):
             call()

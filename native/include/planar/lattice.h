@@ -161,6 +161,8 @@ class LatticeSolver {
   ///
   /// \throw std::invalid_argument empty, mismatched, non-finite or out-of-range input; hold without triangles
   /// in 2D; lattice_rest that is no grid
+  ///
+  /// \throw SolveError so many points of the lattice depend on each other that their matrix has no room
   LatticeSolver(const Coordinates& rest, const Elements& elements, const LatticeWeights& weights,
                 const Coordinates& lattice_rest, const LatticeOptions& options = {});
   LatticeSolver(LatticeSolver&&) noexcept;

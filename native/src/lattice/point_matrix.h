@@ -55,7 +55,8 @@ class PointMatrix {
 
  private:
   std::size_t column(int place, int axis) const {
-    return static_cast<std::size_t>(matrix_.column_start[static_cast<std::size_t>(unknowns_ * place + axis)]);
+    const int unknown = unknowns_ * place + axis;
+    return static_cast<std::size_t>(matrix_.column_start[static_cast<std::size_t>(unknown)]);
   }
 
   int unknowns_;

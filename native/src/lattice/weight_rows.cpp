@@ -83,6 +83,8 @@ Supports supports_of(const LatticeWeights& weights) {
 
 namespace {
 
+constexpr std::size_t most_couplings = 50'000'000;  // what a matrix of a few gigabytes has
+
 void keep_each_once(std::vector<int>& values) {
   std::sort(values.begin(), values.end());
   values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -121,6 +123,8 @@ std::vector<std::array<int, 2>> couplings(const LatticeWeights& weights,
         if (other <= p || marked[at(other)] == p) continue;
         marked[at(other)] = p;
         result.push_back({p, other});
+        if (result.size() > most_couplings)
+          throw SolveError("the lattice has too many points for this basis");
       }
     }
   }

@@ -32,6 +32,7 @@ Supports supports_of(const LatticeWeights& weights);
 
 /// The pairs of lattice points, each once, that move one vertex, or the two ends of one edge: where JᵀJ of
 /// anything over these edges has entries.
+/// \throw SolveError more than 5e7
 std::vector<std::array<int, 2>> couplings(const LatticeWeights& weights,
                                           const std::vector<std::array<int, 2>>& edges);
 
@@ -49,7 +50,10 @@ class RowSum {
 
   int size() const { return static_cast<int>(point_.size()); }
   const std::vector<int>& points() const { return point_; }
-  double value(int i, int k) const { return value_[static_cast<std::size_t>(i * width_ + k)]; }
+  double value(int i, int k) const {
+    const int place = i * width_ + k;
+    return value_[static_cast<std::size_t>(place)];
+  }
 
  private:
   const LatticeWeights& weights_;
