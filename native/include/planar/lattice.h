@@ -48,7 +48,7 @@ struct LatticeGrid {
 /// finite, naming the row
 LatticeWeights lattice_weights(const Coordinates& places, const LatticeGrid& grid);
 
-/// What pulls a lattice's points where neither handles nor the mesh do, and how edges are weighted.
+/// What a LatticeSolver minimises.
 enum class LatticeMethodKind {
   hold,   ///< triangles in 2D: least distortion of the rest shape, no triangle turned over
   paper,  ///< [LPFFD 9] for triangles and edges, 2D and 3D
@@ -149,7 +149,7 @@ struct LatticeReport {
 ///
 /// 5. Anderson's acceleration of the alternation [Peng18], which has the same fixed points.
 ///
-/// Neither method shortens a step for the sake of the other: paper turns triangles over on many large poses.
+/// paper turns triangles over on many large poses; report().flipped tells.
 class LatticeSolver {
  public:
   using Elements = std::variant<Triangles, Edges>;
@@ -184,7 +184,7 @@ class LatticeSolver {
   /// \throw std::invalid_argument mismatched or not finite
   ///
   /// \throw SolveError numbers overflow, or no state to begin at has all triangles upright
-  const Coordinates& solve(const Coordinates& mesh_targets, const Coordinates& lattice_targets);
+  const Coordinates& solve(const Coordinates& mesh_targets, const Coordinates& lattice_targets = {});
 
   /// A few exact steps towards the last targets; without any: nothing.
   /// \throw SolveError

@@ -36,8 +36,9 @@ LatticeFrame::LatticeFrame(const Coordinates& points)
   }
   const std::array<Eigen::Index, 3> c{count_[0], count_[1], count_[2]};
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d at_step(static_cast<double>(i % c[0]), static_cast<double>(i / c[0] % c[1]),
-                                  static_cast<double>(i / (c[0] * c[1])));
+    const std::array<Eigen::Index, 3> index{i % c[0], i / c[0] % c[1], i / (c[0] * c[1])};
+    const Eigen::Vector3d at_step(static_cast<double>(index[0]), static_cast<double>(index[1]),
+                                  static_cast<double>(index[2]));
     const Eigen::RowVectorXd off = points.row(i) - origin_ - (steps_ * at_step).transpose();
     const bool outside = i >= c[0] * c[1] * c[2];
     if (outside || !(off.norm() <= tolerance * steps_.colwise().norm().maxCoeff() + rounding)) {

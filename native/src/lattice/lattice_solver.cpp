@@ -46,10 +46,10 @@ template <int D>
 struct LatticeSolver::StateIn : State {
   using Outcome = typename LatticeMethod<D>::Outcome;
 
-  StateIn(const Coordinates& rest_, const Elements& elements, LatticeWeights weights_,
+  StateIn(const Coordinates& rest_, const Elements& elements, const LatticeWeights& weights_,
           const Coordinates& lattice_rest_, LatticeMethodKind kind, const LatticeOptions& options)
       : rest(rest_),
-        weights(std::move(weights_)),
+        weights(weights_),
         points_at_rest(lattice_rest_),
         size((rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm()),
         springs(points_at_rest.rows()),
