@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, and how good
-the in-betweens of these poses are, beside the printed form and a polar blend, in one run.
+"""Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, how good the
+in-betweens of these poses are, beside the printed form and a polar blend, and how lattices pose, beside the
+printed form, in one run.
 
 Exits with 1 when one of the printed conditions fails. tools/figures.sh runs it with all it needs.
 """
@@ -14,6 +15,7 @@ from pathlib import Path
 
 from figures_data import bent_bar, read_shape
 from figures_inbetweens import inbetween_table
+from figures_lattice import lattice_table
 from figures_posing import distortion_table, loop_table, settle_table
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -23,6 +25,7 @@ TABLES = {
     "loops": loop_table,
     "settle": settle_table,
     "inbetweens": inbetween_table,
+    "lattice": lattice_table,
 }
 BAR_TOO = ("settle", "inbetweens")  # have something to measure without characters
 

@@ -21,6 +21,7 @@ MAY_INCLUDE = {
     "energy": {"base", "linear", "mesh"},
     "posing": {"base", "parallel", "linear", "mesh", "energy"},
     "inbetween": {"base", "parallel", "linear", "mesh", "energy", "posing"},
+    "lattice": {"base", "parallel", "linear", "mesh", "energy"},
 }
 PUBLIC_ROOM = {
     "planar/types.h": "base",
@@ -33,6 +34,7 @@ PUBLIC_ROOM = {
     "planar/inbetween.h": "inbetween",
     "planar/sequence_edit.h": "inbetween",
     "planar/transfer.h": "inbetween",
+    "planar/lattice.h": "lattice",
 }
 
 

@@ -124,6 +124,59 @@ Points to_points(const std::string& name, py::handle value, Eigen::Index rows) {
   return to_reals<Points>(name, value, rows, 2);
 }
 
+namespace {
+
+// Of a table of numbers; 0 for what is none.
+int columns_of(const std::string& name, py::handle value) {
+  const py::array array = as_array(name, value);
+  return array.ndim() == 2 && array.shape(1) <= 3 ? static_cast<int>(array.shape(1)) : 0;
+}
+
+}  // namespace
+
+Coordinates to_coordinates(const std::string& name, py::handle value, Eigen::Index rows, int columns) {
+  const py::array array = as_array(name, value);
+  if (columns == kAnyColumns) columns = columns_of(name, array) == 3 ? 3 : 2;
+  return to_reals<Coordinates>(name, array, rows, columns);
+}
+
+std::variant<Triangles, Edges> to_mesh_elements(const std::string& name, py::handle value) {
+  const py::array array = as_array(name, value);
+  if (columns_of(name, array) == 2) return to_integers<Edges>(name, array, kAnyRows, 2);
+  return to_integers<Triangles>(name, array, kAnyRows, 3);
+}
+
+LatticeWeights to_weights(const std::string& name, py::handle value, Eigen::Index rows,
+                          Eigen::Index columns) {
+  if (!is_sequence(value)) refuse(name, "expected (indptr, indices, values)");
+  const py::list parts = items_of(value);
+  if (parts.size() != 3) {
+    refuse(name, std::to_string(parts.size()) + " arrays, expected (indptr, indices, values)");
+  }
+  const auto start = to_integers<Eigen::VectorXi>(name + " indptr", parts[0], rows + 1, kVector);
+  const auto column = to_integers<Eigen::VectorXi>(name + " indices", parts[1], kAnyRows, kVector);
+  const auto entry = to_reals<Eigen::VectorXd>(name + " values", parts[2], column.size(), kVector);
+  if (start[0] != 0 || start[rows] != column.size()) {
+    refuse(name + " indptr", "must lead from 0 to " + std::to_string(column.size()));
+  }
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    if (start[i + 1] < start[i]) refuse_row(name + " indptr", i + 1, "below the row before");
+  }
+  for (Eigen::Index e = 0; e < column.size(); ++e) {
+    if (column[e] < 0 || column[e] >= columns) {
+      refuse_row(
+          name + " indices", e,
+          "point " + std::to_string(column[e]) + " is out of range, there are " + std::to_string(columns));
+    }
+  }
+  LatticeWeights result(rows, columns);
+  result.resizeNonZeros(column.size());
+  std::copy(start.begin(), start.end(), result.outerIndexPtr());
+  std::copy(column.begin(), column.end(), result.innerIndexPtr());
+  std::copy(entry.begin(), entry.end(), result.valuePtr());
+  return result;
+}
+
 Triangles to_triangles(py::handle value) { return to_integers<Triangles>("triangles", value, kAnyRows, 3); }
 
 Edges to_edges(const std::string& name, py::handle value) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planar/handle.h"
+#include "planar/lattice.h"
 #include "planar/types.h"
 
 namespace planar::python {
@@ -22,6 +23,18 @@ inline constexpr Eigen::Index kAnyRows = -1;
 
 // rows×2 finite numbers.
 Points to_points(const std::string& name, pybind11::handle value, Eigen::Index rows = kAnyRows);
+
+// rows×2 or rows×3 finite numbers, as many columns as `columns` says if it is not kAnyColumns.
+inline constexpr int kAnyColumns = -1;
+Coordinates to_coordinates(const std::string& name, pybind11::handle value, Eigen::Index rows = kAnyRows,
+                           int columns = kAnyColumns);
+
+// (indptr rows+1, indices, values): a sparse matrix by rows.
+LatticeWeights to_weights(const std::string& name, pybind11::handle value, Eigen::Index rows,
+                          Eigen::Index columns);
+
+// m×3 or m×2 integers.
+std::variant<Triangles, Edges> to_mesh_elements(const std::string& name, pybind11::handle value);
 
 // m×3 integers.
 Triangles to_triangles(pybind11::handle value);

@@ -24,5 +24,6 @@ PYBIND11_MODULE(_core, m) {
   bind_inbetween(m);
   bind_transfer(m);
   bind_sequence_edit(m);
+  bind_lattice(m);
   bind_build_info(m);
 }

@@ -17,6 +17,8 @@ from ._core import (
     Cancelled,
     Distortion,
     Inbetweens,
+    LatticeReport,
+    LatticeSolver,
     Poser,
     Report,
     SolveError,
@@ -27,6 +29,7 @@ from ._core import (
     edit_sequence,
     inbetween,
     killing_field,
+    lattice_weights,
     transfer_motion,
 )
 
@@ -34,6 +37,8 @@ __all__ = [
     "Cancelled",
     "Distortion",
     "Inbetweens",
+    "LatticeReport",
+    "LatticeSolver",
     "Poser",
     "Report",
     "SolveError",
@@ -44,5 +49,6 @@ __all__ = [
     "edit_sequence",
     "inbetween",
     "killing_field",
+    "lattice_weights",
     "transfer_motion",
 ]

@@ -2,7 +2,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, final
 
-from numpy import bool_, float64
+from numpy import bool_, float64, int32
 from numpy.typing import ArrayLike, NDArray
 
 _Handles = ArrayLike | tuple[ArrayLike, ArrayLike]
@@ -141,4 +141,69 @@ def edit_sequence(
     triangles: ArrayLike | None = None,
     edges: ArrayLike | None = None,
 ) -> NDArray[float64]: ...
+
+_Basis = Literal["BERNSTEIN", "LINEAR", "CARDINAL", "CATMULL_ROM", "BSPLINE"]
+_Weights = tuple[ArrayLike, ArrayLike, ArrayLike]
+
+def lattice_weights(
+    points: ArrayLike,
+    counts: Sequence[int],
+    kinds: Sequence[_Basis],
+    *,
+    origin: ArrayLike,
+    spacing: ArrayLike,
+) -> tuple[NDArray[int32], NDArray[int32], NDArray[float64]]: ...
+
+@final
+class LatticeReport:
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def furthest_handle(self) -> float: ...
+    @property
+    def handle_distance(self) -> NDArray[float64]: ...
+    @property
+    def unreached(self) -> list[int]: ...
+    @property
+    def flipped(self) -> int: ...
+    @property
+    def converged(self) -> bool: ...
+
+class LatticeSolver:
+    def __init__(
+        self,
+        rest: ArrayLike,
+        elements: ArrayLike,
+        weights: _Weights,
+        lattice_rest: ArrayLike,
+        *,
+        method: Literal["hold", "paper"] | None = None,
+        rigid_following: bool = True,
+        edge_weights: Literal["area", "uniform"] = "area",
+        weight_shape: float = 1.0,
+        weight_mesh: float | None = None,
+        weight_lattice: float | None = None,
+        weight_rest: float | None = None,
+    ) -> None: ...
+    def set_handles(
+        self,
+        vertices: _Handles | None = None,
+        lattice_points: ArrayLike | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        locked: ArrayLike | None = None,
+    ) -> None: ...
+    def solve(
+        self, vertex_targets: ArrayLike | None = None, lattice_targets: ArrayLike | None = None
+    ) -> NDArray[float64]: ...
+    def refine(self) -> NDArray[float64]: ...
+    def settle(self) -> NDArray[float64]: ...
+    def reset(self, points: ArrayLike | None = None) -> None: ...
+    @property
+    def points(self) -> NDArray[float64]: ...
+    @property
+    def positions(self) -> NDArray[float64]: ...
+    @property
+    def report(self) -> LatticeReport: ...
+
 def build_info() -> dict[str, Any]: ...

@@ -31,6 +31,13 @@ void require_finite(const char* name, const Eigen::Ref<const Points>& values) {
   }
 }
 
+void require_finite_rows(
+    const char* name, const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& values) {
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    if (!values.row(i).allFinite()) throw std::invalid_argument(row_of(name, i) + "not a finite number");
+  }
+}
+
 void require_float32(const char* name, const Eigen::Ref<const Points>& values) {
   require_finite(name, values);
   for (Eigen::Index i = 0; i < values.rows(); ++i) {

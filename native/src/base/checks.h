@@ -18,6 +18,9 @@ void require_index(const char* name, Eigen::Index row, const char* kind, Eigen::
                    Eigen::Index count);
 void require_rows(const char* name, Eigen::Index rows, Eigen::Index expected, const char* of);
 void require_finite(const char* name, const Eigen::Ref<const Points>& values);
+/// The same for any number of columns.
+void require_finite_rows(
+    const char* name, const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& values);
 /// No coordinate is beyond what float32 holds, as Blender stores it.
 void require_float32(const char* name, const Eigen::Ref<const Points>& values);
 void require_positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>& values);
