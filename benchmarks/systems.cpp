@@ -29,7 +29,7 @@ void OwnSystem::assemble(const Shape& shape) {
 
 void OwnSystem::solve() {
   unknown_.setZero(matrix().size);
-  for (const int v : {0, mesh_.n_vertices - 1}) unknown_[2 * killing_->place(v)] = 1.0;
+  for (const int v : {0, mesh_.n_vertices - 1}) unknown_[2 * killing_->slot(v)] = 1.0;
   solver_->solve(unknown_, unknown_);
 }
 

@@ -74,7 +74,10 @@ def test_the_drawing_is_coloured_where_it_is_stretched(window: Window) -> Iterat
 def test_area_and_angle_tell_different_things(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT)
     obj = active()
-    points = shape(obj).reshape(-1, 3) * np.float32(1.5)  # larger, of the same form
+    points = shape(obj).reshape(-1, 3)
+    corner = np.float32((-1.0, 0.0, 0.0))
+    right = points[:, 0] > -1.0  # all of it would be a drawing that is larger as it is meant to be
+    points[right] = corner + np.float32(1.5) * (points[right] - corner)  # larger, of the same form
     obj.data.vertices.foreach_set("co", points.ravel())
     obj.data.update()
     place = window.pixel((1.1, 0.0, 0.4))

@@ -148,6 +148,20 @@ def test_dragging_nothing_says_so(window: Window) -> Iterator[None]:
     assert tuple(active().location) == (0, 0, 0)
 
 
+def test_dragging_what_cannot_be_posed_says_why(window: Window) -> Iterator[None]:
+    """A copy that shares its mesh shows no pins: that is the reason, not the place of the mouse."""
+    yield from ready(window, LEFT, RIGHT)
+    bpy.ops.planar.select_pins(action="ALL")
+    twin = active().copy()
+    bpy.context.collection.objects.link(twin)
+    bpy.ops.ed.undo_push(message="Twin")
+    yield from window.wait(0.3)
+    yield from window.drag(window.pixel(RIGHT), window.pixel((2.0, 0.0, 0.5)))
+    assert "is shared: make it single-user" in window.reports()
+    assert "There is no pin" not in window.reports()
+    assert selected() == [0, 1], "nor are pins deselected that nobody sees"
+
+
 def test_the_status_bar_tells_what_to_do_first(window: Window) -> Iterator[None]:
     sheet()
     bpy.ops.ed.undo_push(message="Test Scene")

@@ -56,7 +56,8 @@ class PLANAR_OT_click(bpy.types.Operator):
         if other is not None and other != context.object:
             return self._activate(context, other)
         obj = context.object
-        if not self.extend and obj is not None and any(pin.select for pin in obj.planar.pins):
+        shown = seen is not None and bool(seen.pins)
+        if shown and not self.extend and any(pin.select for pin in obj.planar.pins):
             bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="NONE")
         self._press = event.mouse_x, event.mouse_y
         context.window_manager.modal_handler_add(self)
@@ -69,10 +70,17 @@ class PLANAR_OT_click(bpy.types.Operator):
         if event.type.startswith(PASSED_ON) or event.value != "PRESS":
             if not is_dragged(context, event, self._press):
                 return {"PASS_THROUGH"}
-            other = "drag one, or press B to select by a box" if pin_list.has_pins(context.object) else ADD
-            self.report({"INFO"}, f"There is no pin under the mouse: {other}")
+            self.report({"INFO"}, self._missed(context))
             return {"FINISHED"}
         return {"FINISHED", "PASS_THROUGH"}
+
+    def _missed(self, context: bpy.types.Context) -> str:
+        """Why no pin has been dragged."""
+        if not pin_list.has_pins(context.object):
+            return f"There is no pin under the mouse: {ADD}"
+        seen = snapshot.in_view(context)
+        reason = hidden_refusal(context) if seen is None else seen.refusal
+        return reason or "There is no pin under the mouse: drag one, or press B to select by a box"
 
     def _activate(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         if not self.extend:
