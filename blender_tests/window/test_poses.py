@@ -146,7 +146,7 @@ def type_frame(window: Window, now: int, frame: int) -> Iterator[None]:
     """Type another frame where the list shows this one."""
     region = window.region("UI")
     for y in range(region.y + region.height - 40, region.y + 40, -10):
-        yield from window.move((region.x + round(0.72 * region.width), y))
+        yield from window.move((region.x + round(0.67 * region.width), y))
         bpy.context.window_manager.clipboard = ""
         yield from window.key("C", ctrl=True)
         with contextlib.suppress(ValueError):
