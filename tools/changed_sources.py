@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print the compiled sources that differ from what has landed, themselves or in anything they include.
 
-What has landed is where this branch left origin/main or, without that, main. On that commit itself, and where
-the checks or the build have changed, all sources are printed.
+What has landed is where this branch left origin/main or, without that, main. On that commit itself, as in a
+clean clone, it is the last one that is four hours older. Where there is none, and where the checks or the build
+have changed, all sources are printed; `make nightly` reads all of them in any case.
 
 usage: changed_sources.py FOLDER...
 """
@@ -15,6 +16,7 @@ from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[1]
 CONCERNS_ALL = {".clang-tidy", "CMakeLists.txt"}  # the top one, not the lists of sources
+PIECE_OF_WORK = 4 * 3600  # seconds: nobody works longer on what lands at once
 
 
 def git(*arguments: str) -> list[str]:
@@ -25,14 +27,19 @@ def git(*arguments: str) -> list[str]:
 
 
 def landed() -> str | None:
-    """Where this branch left main; None if it did not, or that cannot be told."""
+    """What the head is compared with; None if that cannot be told."""
     mains = ("refs/remotes/origin/main", "refs/heads/main")
     known = git("for-each-ref", "--sort=-refname", "--format=%(objectname)", *mains)
     try:
         bases = git("merge-base", "HEAD", known[0]) if known else []
     except subprocess.CalledProcessError:  # a clone without its history
         bases = []
-    return next((base for base in bases if [base] != git("rev-parse", "HEAD")), None)
+    left = next((base for base in bases if [base] != git("rev-parse", "HEAD")), None)
+    if left is not None:
+        return left
+    (now,) = git("show", "--no-patch", "--format=%ct", "HEAD")
+    older = git("rev-list", "--max-count=1", f"--before={int(now) - PIECE_OF_WORK}", "HEAD")
+    return older[0] if older else None
 
 
 def with_includers(names: set[str], files: list[Path]) -> set[str]:
