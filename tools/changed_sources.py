@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print the compiled sources that differ from what has landed, themselves or in anything they include.
 
-What has landed is where this branch left origin/main or, without that, main. On that commit itself, as in a
 What has landed is where this branch left origin/main or, without that, main. On that commit itself, as in
 a clean clone, it is the last one that is four hours older. Where there is none, and where the checks or the
 build have changed, all sources are printed; `make nightly` reads all of them in any case.

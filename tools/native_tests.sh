@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Builds the library by one of the CMake presets and runs its tests, or those whose names match a regular expression.
-# usage: tools/native_tests.sh debug|release|eigen|asan|tsan [REGEX]
+# usage: tools/native_tests.sh debug|release|eigen|asan|asan-whole|tsan [REGEX]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 PATH=/usr/bin:/bin:$PATH # the distribution's cmake and compiler, before a user's own

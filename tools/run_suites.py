@@ -48,6 +48,7 @@ class Outcome:
 PYTHON = ".venv/bin/python"
 NEWEST = "sid"  # the Debian room that may turn out not to be installable
 BPY_VERSIONS = ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
+LONG_TERM = ("4.2.23", "4.5.15", "5.2.3")  # what most animators work with; a landing is tested in these
 PYTEST = (PYTHON, "-m", "pytest")
 
 
@@ -82,7 +83,7 @@ def blender_here() -> bool:
 
 def matrix(*, whole: bool, tested: bool) -> list[Suite]:
     """The Blender suites, without those that on_this_machine() has when it is `tested`."""
-    wheels, rooms = list(BPY_VERSIONS), ["trixie", NEWEST]
+    wheels, rooms = list(LONG_TERM if tested and not whole else BPY_VERSIONS), ["trixie", NEWEST]
     screens = [Suite(f"window-{room}", windows("--room", room, whole=whole)) for room in rooms]
     if tested:
         wheels.remove(default_bpy())
@@ -95,7 +96,7 @@ def on_this_machine(*, whole: bool) -> list[Suite]:
     """What `make test` runs; not `whole`: of the builds beside the release what differs there."""
     return [
         # First, as they take long, and the others find in ccache what they compile.
-        native("asan"),
+        native("asan-whole" if whole else "asan"),
         native("release"),
         native("tsan", "." if whole else "Thread|Worker"),
         native("eigen", "." if whole else "BuildInfo|Solver|Poser"),
