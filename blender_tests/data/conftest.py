@@ -37,7 +37,7 @@ def pytest_sessionfinish(exitstatus):
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure():
-    """Leave at once: bpy crashes as Python ends where pytest still holds objects of it (parameters, tracebacks)."""
+    """Leave at once: bpy crashes as Python ends where pytest still holds objects of it (parameters, say)."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(int(_code))
