@@ -38,6 +38,11 @@ HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 PATH = "Way of the pins: base64 of little-endian float32 triples, the offset and the turn from the start"
 
 
+def pack_path(path: list[Sample]) -> str:
+    """Samples as text for the property `path`, rounded to float32: the way that a script leads pins."""
+    return base64.b64encode(np.array(path, "<f4").tobytes()).decode()
+
+
 def unpack_path(text: str) -> list[Sample]:
     """The samples of a PATH. Raises Refusal if the text is anything else."""
     try:
