@@ -4,6 +4,7 @@
 
 #include "base/checks.h"
 #include "base/index.h"
+#include "lattice/weight_rows.h"
 #include "planar/lattice.h"
 
 namespace planar {
@@ -97,7 +98,6 @@ LatticeWeights lattice_weights(const Coordinates& places, const LatticeGrid& gri
   require_finite_rows("points", places);
   const std::size_t n_axes = grid.count.size();
   const std::array<int, 3> count{grid.count[0], grid.count[1], n_axes == 3 ? grid.count[2] : 1};
-  LatticeWeights result(places.rows(), count[0] * count[1] * count[2]);
   std::vector<int> start{0}, column;
   std::vector<double> value;
   start.reserve(at(places.rows()) + 1);
@@ -127,11 +127,7 @@ LatticeWeights lattice_weights(const Coordinates& places, const LatticeGrid& gri
     }
     start.push_back(static_cast<int>(column.size()));
   }
-  result.resizeNonZeros(static_cast<Eigen::Index>(column.size()));
-  std::copy(start.begin(), start.end(), result.outerIndexPtr());
-  std::copy(column.begin(), column.end(), result.innerIndexPtr());
-  std::copy(value.begin(), value.end(), result.valuePtr());
-  return result;
+  return of_rows(count[0] * count[1] * count[2], start, column, value);
 }
 
 }  // namespace planar

@@ -8,6 +8,7 @@
 
 #include "base/checks.h"
 #include "base/index.h"
+#include "lattice/weight_rows.h"
 
 namespace planar {
 
@@ -122,12 +123,7 @@ LatticeWeights in_order(const LatticeWeights& weights) {
     }
     start.push_back(static_cast<int>(column.size()));
   }
-  LatticeWeights result(weights.rows(), weights.cols());
-  result.resizeNonZeros(static_cast<Eigen::Index>(column.size()));
-  std::copy(start.begin(), start.end(), result.outerIndexPtr());
-  std::copy(column.begin(), column.end(), result.innerIndexPtr());
-  std::copy(value.begin(), value.end(), result.valuePtr());
-  return result;
+  return of_rows(weights.cols(), start, column, value);
 }
 
 }  // namespace planar

@@ -44,6 +44,16 @@ template void product<3>(const LatticeWeights&, const Rows<3>&, Rows<3>&);
 template void add_transposed<2>(const LatticeWeights&, const Rows<2>&, Rows<2>&);
 template void add_transposed<3>(const LatticeWeights&, const Rows<3>&, Rows<3>&);
 
+LatticeWeights of_rows(Eigen::Index columns, const std::vector<int>& start, const std::vector<int>& column,
+                       const std::vector<double>& value) {
+  LatticeWeights result(static_cast<Eigen::Index>(start.size()) - 1, columns);
+  result.resizeNonZeros(static_cast<Eigen::Index>(column.size()));
+  std::copy(start.begin(), start.end(), result.outerIndexPtr());
+  std::copy(column.begin(), column.end(), result.innerIndexPtr());
+  std::copy(value.begin(), value.end(), result.valuePtr());
+  return result;
+}
+
 LatticeWeights chosen_rows(const LatticeWeights& weights, const std::vector<int>& chosen) {
   const int* start = weights.outerIndexPtr();
   LatticeWeights result(static_cast<Eigen::Index>(chosen.size()), weights.cols());

@@ -20,6 +20,10 @@ void product(const LatticeWeights& weights, const Rows<D>& d, Rows<D>& u);
 template <int D>
 void add_transposed(const LatticeWeights& weights, const Rows<D>& g, Rows<D>& r);
 
+/// W of compressed rows: row i has the values from start[i] on, at these columns, which ascend in each row.
+LatticeWeights of_rows(Eigen::Index columns, const std::vector<int>& start, const std::vector<int>& column,
+                       const std::vector<double>& value);
+
 /// Rows of W, in this order.
 LatticeWeights chosen_rows(const LatticeWeights& weights, const std::vector<int>& chosen);
 
