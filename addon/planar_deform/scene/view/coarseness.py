@@ -9,6 +9,8 @@ import bpy
 import numpy as np
 
 from ...model.plane.coarseness import is_coarse
+from ..objects import triangulation
+from ..storage.points import read
 
 CAPACITY = 8  # meshes
 
@@ -24,7 +26,7 @@ def of(obj: bpy.types.Object) -> bool:
     counts = (len(mesh.vertices), len(mesh.edges), len(mesh.polygons))
     kept = _kept.pop(mesh.session_uid, None)
     if kept is None or kept[0] != counts:
-        kept = counts, _is_coarse(mesh)
+        kept = counts, _is_coarse(obj)
     _kept[mesh.session_uid] = kept
     if len(_kept) > CAPACITY:
         _kept.popitem(last=False)
@@ -36,13 +38,9 @@ def forget() -> None:
     _kept.clear()
 
 
-def _is_coarse(mesh: bpy.types.Mesh) -> bool:
-    mesh.calc_loop_triangles()
-    triangles = np.empty(len(mesh.loop_triangles) * 3, np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
-    used, triangles = np.unique(triangles, return_inverse=True)
-    coordinates = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.vertices.foreach_get("co", coordinates)
-    rest = coordinates.reshape(-1, 3)[used].astype(np.float64)
-    flat = rest[:, np.sort(np.argsort(np.ptp(rest, axis=0))[1:])]  # shares of area are the same in any view
-    return is_coarse(flat, triangles.reshape(-1, 3).astype(np.int32))
+def _is_coarse(obj: bpy.types.Object) -> bool:
+    points = read(obj)
+    faces = triangulation.faces_of(obj.data, points)
+    shape = points[faces.vertices].astype(np.float64)
+    flat = shape[:, np.sort(np.argsort(np.ptp(shape, axis=0))[1:])]  # shares of area are the same in any view
+    return is_coarse(flat, faces.triangles)
