@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import contextlib
-import traceback
 from collections.abc import Callable
 
 import bpy
@@ -18,15 +17,14 @@ from ..scene.inbetweens.breakdown import Way
 from ..scene.objects import modifiers
 from ..scene.view import snapshot
 from .keying import key_shown
-from .modal import running
-from .modal.session import PASSED_ON, put_away, put_up
+from .modal import running, unexpected
+from .modal.session import CONFIRM, PASSED_ON, put_away, put_up
 from .poses import PoseListOperator
 
 KEYS = (
     "Move Left or Right: Slide   LMB or Enter: Key   Esc or RMB: Cancel   Shift: Precise   Ctrl: Snap   "
     "E: Overshoot   Digits: Type the Percentage"
 )
-CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
 
 
 class _Sliding:
@@ -176,8 +174,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return self._stop()
         except Exception as error:  # Blender would call again and again
-            traceback.print_exc()
-            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            unexpected.tell(self, error)
             return self._stop()
 
     def _stop(self) -> set[str]:

@@ -12,7 +12,7 @@ from ..model.plane.frame import Array
 from ..scene.objects.cutout_object import begin
 from ..scene.pins import pin_list
 from ..scene.view import snapshot
-from ..scene.view.mouse import hidden_refusal, on_ring, pin_under, ray, ring_about
+from ..scene.view.mouse import hidden_refusal, on_ring, pin_under, ray, refuse_hidden, ring_about
 from .modal.session import PASSED_ON, is_dragged
 from .posing_operator import Refusing
 
@@ -96,9 +96,7 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
     """Add a pin to the active mesh under the mouse, in an undo step of its own; reports why it cannot be."""
     mouse = event.mouse_region_x, event.mouse_region_y
     try:
-        hidden = hidden_refusal(context)
-        if hidden is not None:
-            raise Refusal(hidden)
+        refuse_hidden(context)
         drawing = begin(context)
         point = drawing.pick(*ray(context.region, context.region_data, mouse))
         if point is None:

@@ -24,13 +24,12 @@ from ..model.plane.axes import plane_axes
 from ..model.plane.frame import PlaneFrame
 from ..model.posing.posing import Posing, Sample, Solved, carried_path
 from ..model.posing.spreading import Spreading
-from ..scene.view.mouse import hidden_refusal
+from ..scene.view.mouse import refuse_hidden
 from .modal import running
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
-from .modal.session import PASSED_ON, Interactive, Session, is_dragged
+from .modal.session import CONFIRM, PASSED_ON, Interactive, Session, is_dragged
 
-CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
 
@@ -117,9 +116,7 @@ class PinTransform(Interactive):
         pressed = self.pin >= 0
         self.extend = pressed and event.shift
         try:
-            hidden = hidden_refusal(context)
-            if hidden is not None:
-                raise Refusal(hidden)
+            refuse_hidden(context)
             self._posing = self._begun(context)
             self._mouse = PlaneMouse(self._posing, context.region, context.region_data, event)
             self._press: Point | None = (event.mouse_x, event.mouse_y) if pressed else None

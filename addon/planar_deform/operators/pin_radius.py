@@ -19,13 +19,13 @@ from ..model.posing.patch_radius import least_radius, vertices_within
 from ..model.posing.pins import Holder
 from ..scene.objects.cutout_object import CutoutObject, begin
 from ..scene.pins import pin_list
-from ..scene.view.mouse import hidden_refusal, ray
+from ..scene.view.mouse import ray, refuse_hidden
 from .click import add_pin_under
-from .drag import CONFIRM, HIDDEN
+from .drag import HIDDEN
 from .modal import running
 from .modal.gesture_run import GestureOperator, GestureRun
 from .modal.plane_mouse import EDGE_ON
-from .modal.session import PASSED_ON, is_dragged
+from .modal.session import CONFIRM, PASSED_ON, is_dragged
 
 KEYS = "LMB or Enter: Confirm   Esc or RMB: Cancel   Digits: Type the Radius"
 CORNERS = 64  # of the circle that is drawn
@@ -81,9 +81,7 @@ class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
             return {"CANCELLED"}
         running.end()
         try:
-            hidden = hidden_refusal(context)
-            if hidden is not None:
-                raise Refusal(hidden)
+            refuse_hidden(context)
             self._drawing = begin(context)
             self._holders = list(_chosen(context, self._drawing))
             active = context.object.planar.active_pin

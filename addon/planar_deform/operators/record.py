@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import time
-import traceback
 from collections.abc import Sequence
 
 import bpy
@@ -22,7 +21,7 @@ from ..scene.sequence import pose_state
 from ..scene.view import snapshot
 from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, PATH, unpack_path
-from .modal import running
+from .modal import running, unexpected
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
 from .modal.session import PASSED_ON, Interactive, Session, put_away, put_up
@@ -145,8 +144,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         try:
             return self._wait(context, event)
         except Exception as error:  # Blender would call again and again
-            traceback.print_exc()
-            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            unexpected.tell(self, error)
             running.end()
             return {"CANCELLED"}
 

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Iterable, Sequence
 
 import bpy
 
 from ...errors import ObjectGone
 from ...scene.view import gesture
-from . import running
+from . import running, unexpected
 from .session import put_away, put_up
 
 
@@ -75,8 +74,7 @@ class GestureOperator:
             except ObjectGone:
                 pass  # there is nothing left to choose
             except Exception as error:  # Blender would call again and again
-                traceback.print_exc()
-                self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+                unexpected.tell(self, error)
         if result & {"FINISHED", "CANCELLED"}:
             self._run.end()
         return result

@@ -9,7 +9,6 @@ panel the same is done in one go. Either way it is one undo step.
 from __future__ import annotations
 
 import time
-import traceback
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +19,7 @@ from ... import native
 from ...errors import ObjectGone, Refusal
 from ...model.work import Progress, Work
 from ..posing_operator import ShapeOperator
-from . import running
+from . import running, unexpected
 from .session import PASSED_ON
 
 RATE = 1 / 60  # seconds between two looks
@@ -171,8 +170,7 @@ class LongOperator(ShapeOperator):
             self.report({"ERROR"}, str(error))
             return self._end({"CANCELLED"})
         except Exception as error:  # Blender would call again and again; nothing may be left half done
-            traceback.print_exc()
-            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            unexpected.tell(self, error)
             return self._end({"FINISHED"} if done else {"CANCELLED"})
 
     def _tell(self, run: LongRun) -> None:
@@ -190,8 +188,7 @@ class LongOperator(ShapeOperator):
             if not run.stopped:
                 run.give_way()
         except Exception as error:  # it could not put everything back
-            traceback.print_exc()
-            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            unexpected.tell(self, error)
         return result
 
 

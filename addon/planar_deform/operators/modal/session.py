@@ -19,7 +19,7 @@ from ...errors import ObjectGone, Refusal, try_all
 from ...model.posing.posing import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
 from ...scene.view import snapshot
-from . import running
+from . import running, unexpected
 from .object_posing import NOTICED, ObjectPosing
 
 RATE = 1 / 120  # seconds between two looks at what the thread has solved
@@ -27,6 +27,7 @@ RATE = 1 / 120  # seconds between two looks at what the thread has solved
 PATIENCE = 0.08
 # Events that drive the view, and those that are nobody's: they go on to Blender.
 PASSED_ON = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "NDOF", "MOUSEROTATE", "MOUSESMARTZOOM", "TIMER", "WINDOW")
+CONFIRM = ("RET", "NUMPAD_ENTER", "SPACE")  # keys that end a drag with what is shown
 # Keys that do nothing yet: they let a drawing settle on.
 MODIFIERS = {f"{side}_{key}" for side in ("LEFT", "RIGHT") for key in ("SHIFT", "CTRL", "ALT")} | {"OSKEY"}
 
@@ -214,8 +215,7 @@ class Interactive:
                 return {"CANCELLED"}
             return self._go_on(context, event)
         except Exception as error:  # Blender would call again and again; nothing may be left half done
-            traceback.print_exc()
-            self.report({"ERROR"}, f"Unexpected error, see the console: {error}")
+            unexpected.tell(self, error)
         for step in (self._session.take_back, self._session.clock.stop):
             try:
                 step()

@@ -12,6 +12,7 @@ import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
+from ...errors import Refusal
 from ...model.input import view_ray
 from ...model.plane.frame import Array
 from .snapshot import PinPlace
@@ -50,6 +51,13 @@ def hidden_refusal(context: bpy.types.Context) -> str | None:
     if local and not obj.local_view_get(space):
         return f"'{obj.name}' is not in this view: leave its Local View with View > Local View first"
     return f"'{obj.name}' is hidden: show it by its eye in the Outliner first"
+
+
+def refuse_hidden(context: bpy.types.Context) -> None:
+    """Raises Refusal where the active object's pins cannot be used in the view at hand."""
+    reason = hidden_refusal(context)
+    if reason is not None:
+        raise Refusal(reason)
 
 
 def regions(area: bpy.types.Area | None) -> list[tuple[bpy.types.Region, bpy.types.RegionView3D]]:
