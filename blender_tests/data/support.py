@@ -3,6 +3,7 @@
 
 from functools import partial
 
+import bmesh
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -108,6 +109,21 @@ def pose(obj, offset=(0.0, 0.0), angle=0.0, moving=None):
     drawing.write(posing.settle())
     pin_list.store_results(obj, drawing, posing.results())
     return drawing, posing
+
+
+def in_edit_mode(obj, *steps, select=lambda vertex: True):
+    """Run operators in Edit Mode on the vertices that `select(vertex)` chooses."""
+    activate(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+    mesh = bmesh.from_edit_mesh(obj.data)
+    for vertex in mesh.verts:
+        vertex.select = bool(select(vertex))
+    mesh.select_flush_mode()
+    bmesh.update_edit_mesh(obj.data)
+    for step in steps:
+        assert step() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def measured(obj):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rest shape of a mesh without shape keys: kept through poses, completed after edits."""
 
-import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from support import (
     coordinates,
     evaluated,
     grid,
+    in_edit_mode,
     make_object,
     measured,
     pose,
@@ -30,20 +30,6 @@ def solved_rest(obj):
 
     activate(obj)
     return begin(bpy.context).cutout.rest
-
-
-def edit(obj, action, select):
-    """Run an operator in Edit Mode on the faces, edges or vertices that `select(element)` chooses."""
-    activate(obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
-    mesh = bmesh.from_edit_mesh(obj.data)
-    for vertex in mesh.verts:
-        vertex.select = bool(select(vertex))
-    mesh.select_flush_mode()
-    bmesh.update_edit_mesh(obj.data)
-    assert action() == {"FINISHED"}
-    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def posed_bar(plane="XY"):
@@ -121,7 +107,7 @@ def test_an_attribute_of_that_name_and_another_type_is_replaced():
 @pytest.mark.parametrize("plane", ["XY", "tilted"])
 def test_subdivided_faces_rest_where_blender_interpolates_them(plane):
     obj = posed_bar(plane)
-    edit(obj, bpy.ops.mesh.subdivide, lambda vertex: True)
+    in_edit_mode(obj, bpy.ops.mesh.subdivide, select=lambda vertex: True)
     plain = bar(plane=plane, nx=24, ny=8, name="Plain")
     rest, expected = stored_rest(obj), coordinates(plain.data.vertices)
     gaps = np.linalg.norm(rest[:, None] - expected[None], axis=2)
@@ -145,7 +131,9 @@ def test_subdivided_faces_rest_where_blender_interpolates_them(plane):
 )
 def test_edits_of_a_posed_mesh_keep_a_rest_without_flips(tool, options):
     obj = posed_bar()
-    edit(obj, lambda: getattr(bpy.ops.mesh, tool)(**options), lambda vertex: 18 <= vertex.index <= 46)
+    in_edit_mode(
+        obj, lambda: getattr(bpy.ops.mesh, tool)(**options), select=lambda vertex: 18 <= vertex.index <= 46
+    )
     pose(obj, offset=(0.0, 0.05))
     assert measured(obj).flipped == 0
     assert measured(obj).area < 2.5
@@ -166,10 +154,10 @@ def test_extruded_vertices_rest_as_a_continuation_not_on_their_source(plane):
     normal = begin(bpy.context).frame.n
     outward = np.cross(across, normal)
     outward *= 0.25 / np.linalg.norm(outward)
-    edit(
+    in_edit_mode(
         obj,
         lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": outward.tolist()}),
-        lambda vertex: vertex.index in right,
+        select=lambda vertex: vertex.index in right,
     )
     assert len(obj.data.vertices) == 70
     assert np.array_equal(stored_rest(obj)[65:], before[right])  # the trap
@@ -195,10 +183,10 @@ def test_restore_also_takes_back_a_completed_rest():
     from planar_deform.scene.objects.cutout_object import begin
 
     obj = posed_bar()
-    edit(
+    in_edit_mode(
         obj,
         lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.0, 0.3, 0.0)}),
-        lambda vertex: vertex.index >= 60,
+        select=lambda vertex: vertex.index >= 60,
     )
     before, points = stored_rest(obj), coordinates(obj.data.vertices)
     drawing = begin(bpy.context)
@@ -212,10 +200,10 @@ def test_restore_also_takes_back_a_completed_rest():
 def test_a_part_added_in_edit_mode_rests_where_it_is():
     """New primitives get a rest of zeros, which would put all their vertices on one point."""
     obj = posed_bar()
-    edit(
+    in_edit_mode(
         obj,
         lambda: bpy.ops.mesh.primitive_plane_add(size=1, location=(5, 0, 0)),
-        lambda vertex: False,
+        select=lambda vertex: False,
     )
     new = coordinates(obj.data.vertices)[65:]
     assert not stored_rest(obj)[65:].any()
@@ -237,10 +225,10 @@ def test_a_vertex_at_the_origin_is_not_mistaken_for_one_without_a_rest():
 def test_a_duplicated_part_rests_beside_its_original():
     obj = posed_bar()
     shown = coordinates(obj.data.vertices)
-    edit(
+    in_edit_mode(
         obj,
         lambda: bpy.ops.mesh.duplicate_move(TRANSFORM_OT_translate={"value": (5.0, 1.0, 0.0)}),
-        lambda vertex: True,
+        select=lambda vertex: True,
     )
     rest = solved_rest(obj)
     assert len(rest) == 130
@@ -276,7 +264,9 @@ def test_a_joined_object_rests_in_its_place_scale_and_turn(pinned):
 def test_deleting_and_merging_vertices_keeps_the_rest_of_the_others():
     obj = posed_bar()
     before = stored_rest(obj)
-    edit(obj, lambda: bpy.ops.mesh.delete(type="VERT"), lambda vertex: vertex.index in (0, 1, 30))
+    in_edit_mode(
+        obj, lambda: bpy.ops.mesh.delete(type="VERT"), select=lambda vertex: vertex.index in (0, 1, 30)
+    )
     keep = np.setdiff1d(np.arange(65), [0, 1, 30])
     assert np.array_equal(stored_rest(obj), before[keep])
     pose(obj, offset=(0.0, 0.1))
@@ -324,10 +314,10 @@ def test_a_rest_is_stored_by_the_first_action_where_shape_keys_that_held_it_are_
 def test_parts_added_to_a_drawing_that_was_turned_over_and_lifted_keep_their_depth():
     obj = posed_bar()
     obj.data.transform(Matrix.Translation((0, 0, 2)) @ Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0)))
-    edit(
+    in_edit_mode(
         obj,
         lambda: bpy.ops.mesh.primitive_plane_add(size=1, location=(5, 0, 3)),
-        lambda vertex: False,
+        select=lambda vertex: False,
     )
     pose(obj, offset=(0.0, 0.1))
     assert stored_rest(obj)[65:, 2] == pytest.approx(np.full(4, 3.0))

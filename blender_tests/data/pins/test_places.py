@@ -1,13 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pins keep their places on the drawing when its mesh is subdivided, decimated, extended or cut."""
 
-import bmesh
 import bpy
 import numpy as np
 import pytest
 from drawings import character, outline, text
 from sequences import filled, shown_at
-from support import activate, add_pins, bar, coordinates, grid, make_object, measured, pose, world
+from support import (
+    activate,
+    add_pins,
+    bar,
+    coordinates,
+    grid,
+    in_edit_mode,
+    make_object,
+    measured,
+    pose,
+    world,
+)
 
 
 def coarse(turned=True):
@@ -44,20 +54,6 @@ def places(obj):
     pins = pin_list.model_pins(obj, drawing)
     assert [pin.key for pin in pins] == list(range(len(obj.planar.pins)))
     return np.array([Holder(pin, drawing.cutout).place(drawing.cutout.rest) for pin in pins])
-
-
-def in_edit_mode(obj, *steps, select=lambda vertex: True):
-    activate(obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
-    mesh = bmesh.from_edit_mesh(obj.data)
-    for vertex in mesh.verts:
-        vertex.select = bool(select(vertex))
-    mesh.select_flush_mode()
-    bmesh.update_edit_mesh(obj.data)
-    for step in steps:
-        assert step() == {"FINISHED"}
-    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def modifier(kind, **settings):
