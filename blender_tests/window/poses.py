@@ -84,6 +84,15 @@ def key_pose(window: Window) -> Iterator[None]:
     yield
 
 
+def keyed(*ups: tuple[int, float]) -> None:
+    """Key poses by a script: at each frame pin 1, which is selected, goes up by so much from where it is."""
+    bpy.ops.planar.select_pins(action="SELECT", pin=1)
+    for frame, up in ups:
+        bpy.context.scene.frame_set(frame)
+        bpy.ops.planar.drag_pins(offset=(0.0, up))
+        bpy.ops.planar.key_pose()
+
+
 def three_poses(window: Window, *, push: bool = False) -> Iterator[None]:
     """A sheet posed by the mouse and keyed at frames 1, 25 and 49; `push`: by clicking the panel's button."""
     yield from ready(window, LEFT, RIGHT)

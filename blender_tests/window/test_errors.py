@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from cutouts import active, pin_data, ready, selected, shape
 from harness import Window, addon
-from poses import LEFT, RIGHT, pin_place, stored
+from poses import LEFT, RIGHT, keyed, pin_place, stored
 
 Gesture = Callable[[Window], Iterator[None]]
 
@@ -185,11 +185,7 @@ def test_in_recordings(window: Window) -> Iterator[None]:
 
 def test_in_breakdowns_and_long_jobs(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
-    bpy.ops.planar.select_pins(action="SELECT", pin=1)
-    for frame, up in ((1, 0.6), (25, -0.8)):
-        bpy.context.scene.frame_set(frame)
-        bpy.ops.planar.drag_pins(offset=(0.0, up))
-        bpy.ops.planar.key_pose()
+    keyed((1, 0.6), (25, -0.8))
     bpy.context.scene.frame_set(13)
     bpy.ops.ed.undo_push(message="Two Poses")
     operator = addon("operators.breakdown").PLANAR_OT_breakdown
@@ -215,11 +211,7 @@ def test_in_breakdowns_and_long_jobs(window: Window) -> Iterator[None]:
 def test_in_the_end_of_a_long_job(window: Window) -> Iterator[None]:
     """What cannot be put back must not keep Esc from ending it."""
     yield from ready(window, LEFT, RIGHT)
-    bpy.ops.planar.select_pins(action="SELECT", pin=1)
-    for frame, up in ((1, 0.3), (25, -0.6)):
-        bpy.context.scene.frame_set(frame)
-        bpy.ops.planar.drag_pins(offset=(0.0, up))
-        bpy.ops.planar.key_pose()
+    keyed((1, 0.3), (25, -0.6))
     bpy.ops.ed.undo_push(message="Two Poses")
     run = addon("operators.modal.long_job").LongRun
 

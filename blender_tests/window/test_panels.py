@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from cutouts import active, pin, ready, shape, sheet
 from harness import Window, addon
-from poses import LEFT, RIGHT, large_view
+from poses import LEFT, RIGHT, keyed, large_view
 
 
 def test_a_coarse_mesh_is_refined_by_the_panel_s_button(window: Window) -> Iterator[None]:
@@ -36,11 +36,7 @@ def test_what_is_not_shown_and_what_is_out_of_date_is_told(window: Window) -> It
     yield from ready(window, LEFT, RIGHT)
     for number, name in enumerate(("Hand of the left arm, upper finger", "Tail")):
         active().planar.pins[number].name = name
-    bpy.ops.planar.select_pins(action="SELECT", pin=1)
-    for frame, up in ((1, 0.3), (12, -0.6), (25, 0.5)):
-        bpy.context.scene.frame_set(frame)
-        bpy.ops.planar.drag_pins(offset=(0.0, up))
-        bpy.ops.planar.key_pose()
+    keyed((1, 0.3), (12, -0.6), (25, 0.5))
     active().planar.poses[0].name = "Anticipation before the jump"
     bpy.ops.wm.save_as_mainfile(filepath=str(Path(bpy.app.tempdir) / "told.blend"))
     bpy.ops.planar.bake(to="POINT_CACHE")

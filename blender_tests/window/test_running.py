@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import bpy
 from cutouts import ready
 from harness import Window, addon
-from poses import LEFT, RIGHT, stored
+from poses import LEFT, RIGHT, keyed, stored
 
 STARTERS = ("drag_pins", "record_pins", "breakdown", "generate_inbetweens", "settle_pose")
 
@@ -42,11 +42,7 @@ def begin(window: Window, operator: str) -> object:
 
 def test_each_one_ends_each_other(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
-    bpy.ops.planar.select_pins(action="SELECT", pin=1)
-    for frame, up in ((1, 0.6), (25, -0.8)):
-        bpy.context.scene.frame_set(frame)
-        bpy.ops.planar.drag_pins(offset=(0.0, up))
-        bpy.ops.planar.key_pose()
+    keyed((1, 0.6), (25, -0.8))
     yield from window.hover(window.pixel((0.0, 0.0, 0.0)))
     running = addon("operators.modal.running")
     with slow_jobs():
