@@ -40,7 +40,7 @@ class PLANAR_UL_poses(bpy.types.UIList):
         if index in self.held:
             row.label(text="", icon="HIDE_ON")
         side = row.row(align=True)
-        side.ui_units_x = 2.5  # what is left is for the name
+        side.ui_units_x = 3.4  # four digits between the arrows; what is left is for the name
         side.alignment = "RIGHT"
         if len(frames) == 1 and frames[0] == round(frames[0]):
             side.prop(item, "frame", text="", emboss=False)
