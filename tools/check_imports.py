@@ -34,9 +34,9 @@ MAY_IMPORT = {
 }
 # What is in these rooms may import what comes before it there.
 ORDER = {
-    "model": ["__init__", "work", "plane", "posing", "timing", "input"],
+    "model": ["__init__", "work", "plane", "posing", "lattice", "timing", "input"],
     "scene": [
-        *("__init__", "storage", "sequence", "objects", "pins", "view", "inbetweens", "motion"),
+        *("__init__", "storage", "sequence", "objects", "pins", "lattice", "view", "inbetweens", "motion"),
         *("properties", "follow"),
     ],
 }

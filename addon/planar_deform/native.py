@@ -35,12 +35,18 @@ class Elements(TypedDict, total=False):
     edges: NDArray[np.int32]  # e x 2
 
 
+# A sparse matrix by rows: where each row begins, columns, values.
+LatticeWeights = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]
+
 Cancelled = planar_native.Cancelled
 Distortion = planar_native.Distortion
 Inbetweens = planar_native.Inbetweens
+LatticeReport = planar_native.LatticeReport
+LatticeSolver = planar_native.LatticeSolver
 Poser = planar_native.Poser
 Report = planar_native.Report
 SolveError = planar_native.SolveError
 distortion = planar_native.distortion
 edit_sequence = planar_native.edit_sequence
+lattice_weights = planar_native.lattice_weights
 transfer_motion = planar_native.transfer_motion

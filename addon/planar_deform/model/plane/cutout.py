@@ -12,13 +12,17 @@ from .frame import Array, Indices
 
 @dataclass(frozen=True)
 class Cutout:
-    """Rest positions and triangles of the vertices that belong to a face."""
+    """Rest positions and triangles of the vertices that belong to a face.
 
-    rest: Array  # n x 2, world lengths
+    Of what is posed by a lattice there is a third column, the depth across the plane.
+    """
+
+    rest: Array  # n x 2 or n x 3, world lengths
     triangles: Indices  # m x 3, counter-clockwise in rest
     parts: Indices  # n, the connected part of each vertex, counted from 0
     diagonal: float  # of the rest shape's bounding box
     stiffness: Array | None = None  # m factors, None: all 1
+    flat: bool = True  # nothing is turned out of the plane, so that turns count from rest
 
 
 # A fully painted triangle resists this many times as much as a neutral one, an erased one as many times less.

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Pin
-from .posing import RAMP_SAMPLES, Posing, Sample
+from .posing import RAMP_SAMPLES, Poser, Posing, Sample
 
 
 class PinReset(Posing):
@@ -24,7 +23,7 @@ class PinReset(Posing):
         positions: Array,
         pins: Iterable[Pin],
         moving: Iterable[int],
-        make_poser: Callable[[], native.Poser],
+        make_poser: Callable[[], Poser],
     ):
         super().__init__(cutout, positions, pins, moving, make_poser)
         self._rest = cutout.rest

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -65,7 +65,7 @@ class Holder:
         if self.pin.kind == "POINT":
             return self.pin.angle
         arms = positions[self.pin.vertices] - self.place(positions)
-        along = float(self.shares @ (self._arms * arms).sum(axis=1))
+        along = float(self.shares @ (self._arms[:, :2] * arms[:, :2]).sum(axis=1))
         across = float(self.shares @ (self._arms[:, 0] * arms[:, 1] - self._arms[:, 1] * arms[:, 0]))
         return math.atan2(across, along) if along or across else self.pin.angle
 
@@ -84,14 +84,26 @@ class Holder:
         """Where the handles should be (k x 2) when the pin is at `target` and turned by `angle`."""
         if self._point is not None:
             return target[None, :]
-        targets: Array = target + self._arms @ rotation(angle).T
-        return targets
+        return target + turned(self._arms, angle)
+
+    def as_shown(self, positions: Array) -> Holder:
+        """This one with its patch, unturned, as n x 3 positions have it: no angle from rest tells that."""
+        shown = copy(self)
+        shown.pin = replace(self.pin, angle=0.0)
+        shown._arms = positions[self.pin.vertices] - self.place(positions)
+        return shown
 
 
 def rotation(angle: float) -> Array:
     """The 2 x 2 matrix that turns counter-clockwise by an angle in radians."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, -s], [s, c]])
+
+
+def turned(offsets: Array, angle: float) -> Array:
+    """Offsets, one or k, turned in the plane; a third coordinate stays."""
+    flat: Array = offsets[..., :2] @ rotation(angle).T
+    return flat if offsets.shape[-1] == 2 else np.concatenate([flat, offsets[..., 2:]], axis=-1)
 
 
 def _first_corner(triangles: Indices) -> Indices:

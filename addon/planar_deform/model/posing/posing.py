@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from ... import native
 from ..plane.cutout import Cutout
-from ..plane.frame import Array
-from .pins import Holder, Pin, rotation
+from ..plane.frame import Array, Indices
+from .pins import Holder, Pin, turned
 
 # One sample of a drag: offset along u and v in world lengths and turn in radians, each since the start.
 Sample = tuple[float, float, float]
@@ -22,6 +23,19 @@ RAMP_SAMPLES = 12
 
 # Refinements in a row that settling takes at most. A pose converges in far fewer, or never.
 MOST_REFINEMENTS = 100
+
+
+class Poser(Protocol):
+    """What a posing asks of a solver, as native.Poser has it."""
+
+    @property
+    def report(self) -> native.Report | native.LatticeReport: ...
+
+    def set_handles(self, handles: tuple[Indices, Array], /, *, weights: Array, groups: Indices) -> None: ...
+
+    def move(self, targets: Array, /) -> Array: ...
+
+    def refine(self) -> Array: ...
 
 
 @dataclass(frozen=True)
@@ -41,15 +55,16 @@ class Solved:
 
     positions: Array  # n x 2
     results: list[PinResult]
-    report: native.Report  # of the solver, on the last sample
+    report: native.Report | native.LatticeReport  # of the solver, on the last sample
     path: list[Sample]  # that led here
 
 
 class Posing:
     """Moves the pins whose keys are in `moving` by samples since the start; the other enabled pins hold.
 
-    `positions` (n x 2) is the shape to start from and `make_poser` gives a solver standing there; it is
-    called at the first move, which may be in another thread. Equal samples in equal order give equal bits.
+    `positions` is the shape to start from: n x 2, or n x 3 with depths, which the pins keep. `make_poser`
+    gives a solver standing there; it is called at the first move, which may be in another thread. Equal
+    samples in equal order give equal bits.
     """
 
     def __init__(
@@ -58,12 +73,14 @@ class Posing:
         positions: Array,
         pins: Iterable[Pin],
         moving: Iterable[int],
-        make_poser: Callable[[], native.Poser],
+        make_poser: Callable[[], Poser],
         pivot: Array | None = None,
     ):
         self._start = positions
         self._make_poser = make_poser
         self._holders = [Holder(pin, cutout) for pin in pins if pin.enabled]
+        if not cutout.flat:
+            self._holders = [holder.as_shown(positions) for holder in self._holders]
         if not self._holders:
             raise ValueError("pins: none is enabled")
         self._moving = frozenset(moving)
@@ -77,13 +94,13 @@ class Posing:
                 for holder, (place, _) in zip(self._holders, self._starts, strict=True)
                 if self._moves(holder)
             ]
-            pivot = np.mean(movers, axis=0) if movers else np.zeros(2)
+            pivot = np.mean(movers, axis=0) if movers else np.zeros(positions.shape[1])
         self.pivot: Array = np.asarray(pivot, dtype=np.float64)
         self.restart()
 
     def restart(self) -> None:
         """Back to the start, as if nothing had been moved yet."""
-        self._poser: native.Poser | None = None
+        self._poser: Poser | None = None
         self.positions = self._start  # n x 2, after the last move
         self.path: list[Sample] = []
         self._refinements = 0
@@ -154,9 +171,11 @@ class Posing:
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         if not self._moves(holder):
             return start
-        place, turned = start
+        place, begun = start
         du, dv, angle = sample
-        return self.pivot + rotation(angle) @ (place - self.pivot) + np.array([du, dv]), turned + angle
+        aim: Array = self.pivot + turned(place - self.pivot, angle)
+        aim[:2] += du, dv
+        return aim, begun + angle
 
     def _targets(self, sample: Sample) -> Array:
         targets = [
@@ -165,7 +184,7 @@ class Posing:
         ]
         return np.concatenate(targets)
 
-    def _set_handles(self, poser: native.Poser) -> None:
+    def _set_handles(self, poser: Poser) -> None:
         parts = [holder.handle_vertices() for holder in self._holders]
         counts = [len(triangles) for triangles, _ in parts]
         poser.set_handles(

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,35 +17,47 @@ from ..plane.frame import Array
 
 CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
 
+Solver = TypeVar("Solver")
+Recipe = tuple[Any, ...]  # arrays, and what else a solver is made of
+
 
 @dataclass
 class _Entry:
-    cutout: Cutout
-    method: native.Method
-    poser: native.Poser
+    recipe: Recipe
+    solver: Any
 
 
 _entries: OrderedDict[int, _Entry] = OrderedDict()
 _changing = threading.Lock()  # solvers are asked for in the solving thread, and dropped in Blender's
 
 
-def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array) -> native.Poser:
-    """A solver for the object with this key, standing at n x 2 `positions`.
-
-    A kept one is used only when triangles, rest shape, stiffness and method are the same to the bit. It is
-    always reset, so that a posing gives the same bits whether or not the solver was there before.
-    """
+def kept(key: int, recipe: Recipe, make: Callable[[], Solver]) -> Solver:
+    """The solver for the object with this key, made anew unless its recipe is the same to the bit."""
     entry = _entries.get(key)
-    if entry is None or entry.method != method or not _same(entry.cutout, cutout):
-        poser = native.Poser(cutout.rest, cutout.triangles, method=method, stiffness=cutout.stiffness)
-        entry = _Entry(cutout, method, poser)
+    if entry is None or not _same(entry.recipe, recipe):
+        entry = _Entry(recipe, make())
     with _changing:
         _entries[key] = entry
         _entries.move_to_end(key)
         while len(_entries) > CAPACITY:
             _entries.popitem(last=False)
-    entry.poser.reset(positions)
-    return entry.poser
+    solver: Solver = entry.solver
+    return solver
+
+
+def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array) -> native.Poser:
+    """A solver for the object with this key, standing at n x 2 `positions`.
+
+    It is always reset, so that a posing gives the same bits whether or not the solver was there before.
+    """
+    rest, triangles, stiffness = cutout.rest, cutout.triangles, cutout.stiffness
+    poser = kept(
+        key,
+        (method, triangles, rest, stiffness),
+        lambda: native.Poser(rest, triangles, method=method, stiffness=stiffness),
+    )
+    poser.reset(positions)
+    return poser
 
 
 def clear() -> None:
@@ -52,10 +66,9 @@ def clear() -> None:
         _entries.clear()
 
 
-def _same(a: Cutout, b: Cutout) -> bool:
-    if a.stiffness is None or b.stiffness is None:
-        if a.stiffness is not b.stiffness:
-            return False
-    elif not np.array_equal(a.stiffness, b.stiffness):
-        return False
-    return np.array_equal(a.triangles, b.triangles) and np.array_equal(a.rest, b.rest)
+def _same(a: Recipe, b: Recipe) -> bool:
+    """Whether two recipes are equal; arrays are never equal to anything else."""
+    return len(a) == len(b) and all(
+        isinstance(one, np.ndarray) == isinstance(other, np.ndarray) and np.array_equal(one, other)
+        for one, other in zip(a, b, strict=True)
+    )

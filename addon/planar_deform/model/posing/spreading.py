@@ -18,4 +18,6 @@ class Spreading(Posing):
         if not self._moves(holder):
             return start
         place, turned = start
-        return place + sample[0] * (place - self.pivot), turned
+        aim = place.copy()
+        aim[:2] += sample[0] * (place - self.pivot)[:2]
+        return aim, turned
