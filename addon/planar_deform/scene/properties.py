@@ -46,8 +46,12 @@ def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
     pin.angle = 0.0
 
 
+def _is_mesh(_pin: PlanarPin, obj: bpy.types.Object) -> bool:
+    return bool(obj.type == "MESH")
+
+
 class PlanarPin(bpy.types.PropertyGroup):
-    """A pin: a vertex group and how it holds the drawing."""
+    """A pin: a vertex group and how it holds the drawing, or a point of the lattice that it poses."""
 
     name: StringProperty(name="Name", description="Label of the pin", options=NOT_ANIMATED)
     group: StringProperty(
@@ -57,6 +61,16 @@ class PlanarPin(bpy.types.PropertyGroup):
         options=NOT_ANIMATED,
     )
     group_index: IntProperty(default=-1, options={"HIDDEN"})
+    object: PointerProperty(
+        type=bpy.types.Object,
+        name="Object",
+        description="Object whose vertex group the pin of a lattice holds",
+        poll=_is_mesh,
+        update=_let_go,
+        options=NOT_ANIMATED,
+    )
+    group_count: IntProperty(options={"HIDDEN"})  # that object's when the pin was last matched to them
+    lattice_point: IntProperty(default=-1, options={"HIDDEN"})  # the lattice's own point that it holds
     owns_group: BoolProperty(options={"HIDDEN"})  # the group was made for this pin and goes with it
     kind: EnumProperty(
         name="Kind",

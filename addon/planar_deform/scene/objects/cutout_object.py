@@ -152,6 +152,14 @@ class CutoutObject(FlatObject):
         flat: Array = frame.flatten(mapped(place[None, :], self._linear))[0]
         return flat
 
+    def rows_held(self, _pinned: bpy.types.Object | None, points: Indices) -> Indices:
+        """As rows_of(): the vertices that pins hold are the object's own."""
+        return self.rows_of(points)
+
+    def vertices_held(self, rows: Indices) -> tuple[bpy.types.Object, Indices]:
+        """Whose vertices rows are, and which."""
+        return self.resolve(), self.vertex_indices[rows]
+
     def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
         """Where a world ray meets the plane of a part (2,); None edge-on (within 5 degrees) or behind it."""
         slope = float(direction @ self.frame.n)

@@ -20,7 +20,6 @@ from ..objects.mesh_edits import Joined
 from ..storage.vertex_groups import Members, members
 from . import pin_list
 
-_NOBODY = np.empty(0, np.int32), np.empty(0)
 # What a pin keeps, beside its group.
 _KEPT = ("name", "kind", "enabled", "has_target", "target", "reached", "angle")
 
@@ -56,7 +55,7 @@ def take_in(obj: bpy.types.Object, joined: Mapping[int, Joined]) -> None:
         own &= ~part.rows
     for index in reversed(range(len(obj.planar.pins))):
         pin = obj.planar.pins[index]
-        vertices, weights = groups.get(pin.group, _NOBODY)
+        vertices, weights = groups.get(pin.group, pin_list.NOBODY)
         mine = own[vertices]
         if len(mine) and not mine.any():  # it had nothing to hold, as what is separated leaves it
             obj.planar.pins.remove(index)
@@ -67,7 +66,7 @@ def take_in(obj: bpy.types.Object, joined: Mapping[int, Joined]) -> None:
     used = pin_list.groups_of(obj)
     for owner, part in joined.items():
         for pin in _lists.get(owner, []):
-            vertices, weights = groups.get(pin.group, _NOBODY)
+            vertices, weights = groups.get(pin.group, pin_list.NOBODY)
             mine = part.rows[vertices]
             if mine.any():
                 alone = bool(mine.all()) and pin.group not in used

@@ -6,22 +6,45 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Container, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import bpy
 import numpy as np
 
+from ...model.plane.cutout import Cutout
 from ...model.plane.frame import Array, Indices
 from ...model.plane.locate import MeshPoint
 from ...model.posing.pins import Holder, Pin
 from ...model.posing.posing import PinResult
 from ..objects import rest_shape
-from ..objects.cutout_object import SAME_PLACE, CutoutObject
+from ..objects.cutout_object import SAME_PLACE
 from ..storage import migration
 from ..storage.vertex_groups import Members, members
 
+NOBODY: Members = (np.empty(0, np.int32), np.empty(0))
 GROUP_NAME = "Pin"
 DEFAULT_NAME = re.compile(GROUP_NAME + r"(\.\d{3,})?")
+
+
+class Drawing(Protocol):
+    """What pins hold: a cutout, or all that a lattice deforms with the lattice itself."""
+
+    cutout: Cutout
+    positions: Array
+    stiffness_stamp: str
+
+    def rows_held(self, pinned: bpy.types.Object | None, points: Indices) -> Indices:
+        """The rows of vertices of an object, or of a lattice's own points (None); -1 for what has none."""
+
+    def vertices_held(self, rows: Indices) -> tuple[bpy.types.Object, Indices]:
+        """Whose vertices, of one object, rows are, and which."""
+
+    def to_local(self, places: Array, parts: Indices) -> Array:
+        """Positions k x 3 in the space in which pins are stored."""
+
+    def from_local(self, places: Array) -> Array:
+        """The same back."""
 
 
 def sync(obj: bpy.types.Object) -> None:
@@ -32,43 +55,90 @@ def sync(obj: bpy.types.Object) -> None:
     missing group.
     """
     settings = obj.planar
-    groups = obj.vertex_groups
-    used = {pin.group for pin in settings.pins} | {settings.stiffness_group}
-    unchanged = settings.group_count == len(groups)
+    for pinned in pinned_objects(obj):
+        groups = pinned.vertex_groups
+        pins = [pin for pin in settings.pins if pinned_object(pin) == pinned]
+        used = {pin.group for pin in pins}
+        followed = _Followed(groups, used, all(pin.group_count == len(groups) for pin in pins))
+        if pinned == obj:
+            used.add(settings.stiffness_group)
+            followed.unchanged = settings.group_count == len(groups)
+        for pin in pins:
+            _sync_pin(pin, followed)
+            if pinned != obj and pin.group_count != len(groups):
+                pin.group_count = len(groups)
+        if pinned == obj:
+            _sync_stiffness(obj, followed)
 
-    def followed(name: str, index: int) -> bpy.types.VertexGroup | None:
-        group = groups.get(name)
-        if group is None and name and unchanged and 0 <= index < len(groups):
-            renamed = groups[index]
-            if renamed.name not in used:
-                used.add(renamed.name)
+
+@dataclass
+class _Followed:
+    """Finds the vertex groups of one object, though they have been renamed."""
+
+    groups: bpy.types.VertexGroups
+    used: set[str]
+    unchanged: bool  # as many as there were
+
+    def of(self, name: str, index: int) -> bpy.types.VertexGroup | None:
+        """What has been known by this name and index."""
+        group = self.groups.get(name)
+        if group is None and name and self.unchanged and 0 <= index < len(self.groups):
+            renamed = self.groups[index]
+            if renamed.name not in self.used:
+                self.used.add(renamed.name)
                 group = renamed
         return group
 
-    for pin in settings.pins:
-        group = followed(pin.group, pin.group_index)
-        if group is not None and group.name != pin.group:
-            if pin.name == pin.group or DEFAULT_NAME.fullmatch(pin.name):
-                pin.name = group.name
-            give_group(pin, group.name)
-        index = -1 if group is None else group.index
-        if pin.group_index != index:
-            pin.group_index = index
-    group = followed(settings.stiffness_group, settings.stiffness_index)
+
+def _sync_pin(pin: bpy.types.PropertyGroup, followed: _Followed) -> None:
+    group = followed.of(pin.group, pin.group_index)
+    if group is not None and group.name != pin.group:
+        if pin.name == pin.group or DEFAULT_NAME.fullmatch(pin.name):
+            pin.name = group.name
+        give_group(pin, group.name)
+    index = -1 if group is None else group.index
+    if pin.group_index != index:
+        pin.group_index = index
+
+
+def _sync_stiffness(obj: bpy.types.Object, followed: _Followed) -> None:
+    settings = obj.planar
+    group = followed.of(settings.stiffness_group, settings.stiffness_index)
     if group is not None and group.name != settings.stiffness_group:
         settings.stiffness_group = group.name
     index = -1 if group is None else group.index
     if settings.stiffness_index != index:
         settings.stiffness_index = index
-    if settings.group_count != len(groups):
-        settings.group_count = len(groups)
+    if settings.group_count != len(followed.groups):
+        settings.group_count = len(followed.groups)
 
 
 def has_pins(obj: bpy.types.Object | None) -> bool:
-    """Whether an object is a mesh with pins. One that never had settings does not get them by being asked."""
-    if obj is None or obj.type != "MESH" or not obj.is_property_set("planar"):
+    """Whether an object is a mesh or a lattice with pins.
+
+    One that never had settings does not get them by being asked.
+    """
+    if obj is None or obj.type not in {"MESH", "LATTICE"} or not obj.is_property_set("planar"):
         return False
     return len(obj.planar.pins) > 0
+
+
+def pinned_object(pin: bpy.types.PropertyGroup) -> bpy.types.Object | None:
+    """The object whose vertex group a pin holds, or None."""
+    obj: bpy.types.Object = pin.id_data
+    if obj.type == "MESH":
+        return obj
+    pinned: bpy.types.Object | None = pin.object
+    return pinned
+
+
+def pinned_objects(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects whose vertex groups the pins of an object hold: a mesh itself, what a lattice deforms."""
+    if obj.type == "MESH":
+        return [obj]
+    return list(
+        dict.fromkeys(pinned for pin in obj.planar.pins if (pinned := pinned_object(pin)) is not None)
+    )
 
 
 def groups_of(obj: bpy.types.Object) -> set[str]:
@@ -76,27 +146,34 @@ def groups_of(obj: bpy.types.Object) -> set[str]:
     return {pin.group for pin in obj.planar.pins}
 
 
-def model_pins(obj: bpy.types.Object, drawing: CutoutObject) -> list[Pin]:
+def model_pins(obj: bpy.types.Object, drawing: Drawing) -> list[Pin]:
     """The usable pins of an object, as bound_pins() finds them."""
-    return [holder.pin for holder in bound_pins(obj, drawing, members(obj, groups_of(obj)))]
+    return [holder.pin for holder in bound_pins(obj, drawing, read_groups(obj))]
+
+
+def read_groups(obj: bpy.types.Object) -> dict[int, dict[str, Members]]:
+    """The vertex groups that the pins of an object hold, by the session_uid of whose they are."""
+    return {pinned.session_uid: members(pinned, groups_of(obj)) for pinned in pinned_objects(obj)}
 
 
 def bound_pins(
-    obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Members], before: Iterable[Holder] = ()
+    obj: bpy.types.Object,
+    drawing: Drawing,
+    groups: Mapping[int, Mapping[str, Members]],
+    before: Iterable[Holder] = (),
 ) -> list[Holder]:
     """The usable pins of an object: those whose group exists and has a vertex of a face in it.
 
     A pin's stored target is kept while the pin still is where the last posing left it, and dropped otherwise
     (the mesh was edited, reset, shows another key), so that the pin holds what is seen.
 
-    `groups` are those of the pins, as the mesh has them, and `before` the same pins bound earlier.
+    `groups` are those of the pins, as the meshes have them, and `before` the same pins bound earlier.
     """
     settings = obj.planar
     known = {holder.pin.key: holder for holder in before}
     holders = []
     for key, pin in enumerate(settings.pins):
-        vertices, weights = groups.get(pin.group, (np.empty(0, np.int32), np.empty(0)))
-        rows = drawing.rows_of(vertices)
+        rows, weights = _held(pin, drawing, groups)
         inside = (rows >= 0) & (weights > 0.0)
         if not inside.any():
             continue
@@ -115,6 +192,19 @@ def bound_pins(
     return holders
 
 
+def _held(
+    pin: bpy.types.PropertyGroup, drawing: Drawing, groups: Mapping[int, Mapping[str, Members]]
+) -> Members:
+    """The rows of a drawing that a pin holds, -1 where it has none, and with what weights."""
+    pinned = pinned_object(pin)
+    if pin.lattice_point >= 0:
+        return drawing.rows_held(None, np.array([pin.lattice_point], np.int32)), np.ones(1)
+    found = None if pinned is None else groups.get(pinned.session_uid, {}).get(pin.group)
+    if pinned is None or found is None:
+        return NOBODY
+    return drawing.rows_held(pinned, found[0]), found[1]
+
+
 def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:
     """Where pins are that go where the drawing, n x 2, takes them."""
     results = []
@@ -124,14 +214,14 @@ def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:
     return results
 
 
-def store_results(obj: bpy.types.Object, drawing: CutoutObject, results: Iterable[PinResult]) -> None:
+def store_results(obj: bpy.types.Object, drawing: Drawing, results: Iterable[PinResult]) -> None:
     """Keep where a posing asked its pins to be and where it left them."""
     for result in results:
         pin = obj.planar.pins[result.key]
         parts = np.array([result.part, result.part], np.int32)
         pin.target, pin.reached = drawing.to_local(np.array([result.target, result.reached]), parts)
         pin.has_target = True
-        if pin.kind == "PATCH":
+        if pin.kind == "PATCH" and drawing.cutout.flat:
             pin.angle = result.angle
     obj.planar.solved_stiffness = drawing.stiffness_stamp
 
@@ -164,20 +254,33 @@ def forget_targets(obj: bpy.types.Object) -> None:
         pin.angle = 0.0
 
 
-def add_at(obj: bpy.types.Object, drawing: CutoutObject, point: MeshPoint) -> bpy.types.PropertyGroup:
-    """Add a point pin at a point of the mesh, with a vertex group of its up to three weights."""
-    corners = drawing.vertex_indices[drawing.cutout.triangles[point.triangle]]
+def add_at(obj: bpy.types.Object, drawing: Drawing, point: MeshPoint) -> bpy.types.PropertyGroup:
+    """Add a point pin at a point of a mesh, with a vertex group of its up to three weights."""
+    pinned, corners = drawing.vertices_held(drawing.cutout.triangles[point.triangle])
     held = point.weights > 0.0
-    group = new_group(obj)
+    group = new_group(pinned)
     fill(group, corners[held], point.weights[held])
     return _named(obj, append(obj, group, "POINT", owns_group=True))
 
 
-def add_on_vertices(obj: bpy.types.Object, vertices: list[int], kind: str) -> bpy.types.PropertyGroup:
-    """Add a pin with a new vertex group of these mesh vertices."""
-    group = new_group(obj)
+def add_on_vertices(
+    obj: bpy.types.Object, vertices: list[int], kind: str, pinned: bpy.types.Object | None = None
+) -> bpy.types.PropertyGroup:
+    """Add a pin with a new vertex group of these vertices, of a mesh that a lattice deforms if `pinned`."""
+    group = new_group(pinned or obj)
     group.add(vertices, 1.0, "REPLACE")
     return _named(obj, append(obj, group, kind, owns_group=True))
+
+
+def add_on_lattice_point(obj: bpy.types.Object, index: int) -> bpy.types.PropertyGroup:
+    """Add a pin on a point of a lattice; the one that is there already if there is one."""
+    for key, pin in enumerate(obj.planar.pins):
+        if pin.lattice_point == index:
+            obj.planar.active_pin = key
+            return pin
+    pin = _appended(obj, "POINT")
+    pin.lattice_point = index
+    return _named(obj, pin)
 
 
 def add_on_group(obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str) -> bpy.types.PropertyGroup:
@@ -188,16 +291,36 @@ def add_on_group(obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str)
 def append(
     obj: bpy.types.Object, group: bpy.types.VertexGroup, kind: str, *, owns_group: bool
 ) -> bpy.types.PropertyGroup:
-    """Add a pin of this name on a vertex group to the list."""
+    """Add a pin of this name on a vertex group, of whatever object, to the list."""
+    pin, pinned = _appended(obj, kind), group.id_data
+    if pinned != obj:
+        pin.object = pinned
+    pin.name = pin.group = group.name
+    pin.owns_group, pin.group_index = owns_group, group.index
+    _count_groups(pin)
+    return pin
+
+
+def _appended(obj: bpy.types.Object, kind: str) -> bpy.types.PropertyGroup:
     migration.migrate(obj)
-    rest_shape.ensure(obj)
+    if obj.type == "MESH":
+        rest_shape.ensure(obj)
     settings = obj.planar
     pin = settings.pins.add()
-    pin.name = pin.group = group.name
-    pin.kind, pin.owns_group, pin.group_index = kind, owns_group, group.index
+    pin.kind = kind
     settings.active_pin = len(settings.pins) - 1
-    settings.group_count = len(obj.vertex_groups)
     return pin
+
+
+def _count_groups(pin: bpy.types.PropertyGroup) -> None:
+    """Keep how many groups there are, of which those of the pin's object are told from others."""
+    pinned, obj = pinned_object(pin), pin.id_data
+    if pinned == obj:
+        obj.planar.group_count = len(obj.vertex_groups)
+        return
+    for other in obj.planar.pins:
+        if other.object == pinned:
+            other.group_count = len(pinned.vertex_groups)
 
 
 def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indices, weights: Array) -> None:
@@ -243,15 +366,17 @@ def free_name(name: str, taken: Container[str]) -> str:
 def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> None:
     """Let a pin be a patch of these mesh vertices. A group that is not the pin's alone stays as it is."""
     pin = obj.planar.pins[index]
-    alone = pin.owns_group and sum(other.group == pin.group for other in obj.planar.pins) == 1
-    group = obj.vertex_groups.get(pin.group) if alone else None
+    pinned = pinned_object(pin)
+    assert pinned is not None  # it holds vertices
+    alone = pin.owns_group and len(_sharing(obj, pin.group, pinned)) == 1
+    group = pinned.vertex_groups.get(pin.group) if alone else None
     if group is None:
-        group = new_group(obj)
-    group.remove(range(len(obj.data.vertices)))
+        group = new_group(pinned)
+    group.remove(range(len(pinned.data.vertices)))
     group.add(vertices, 1.0, "REPLACE")
     pin.group, pin.group_index, pin.owns_group, pin.kind = group.name, group.index, True, "PATCH"
     pin.has_target, pin.angle = False, 0.0  # it holds the drawing as it is now
-    obj.planar.group_count = len(obj.vertex_groups)
+    _count_groups(pin)
 
 
 def remove(obj: bpy.types.Object, indices: Iterable[int]) -> None:
@@ -260,13 +385,22 @@ def remove(obj: bpy.types.Object, indices: Iterable[int]) -> None:
     sync(obj)
     for index in sorted(indices, reverse=True):
         pin = settings.pins[index]
-        name, owned = pin.group, pin.owns_group
+        pinned, name, owned = pinned_object(pin), pin.group, pin.owns_group
         settings.pins.remove(index)
-        group = obj.vertex_groups.get(name)
-        if owned and group is not None and all(other.group != name for other in settings.pins):
-            obj.vertex_groups.remove(group)
+        if pinned is None or not owned:
+            continue
+        group = pinned.vertex_groups.get(name)
+        if group is not None and not _sharing(obj, name, pinned):
+            pinned.vertex_groups.remove(group)
     settings.active_pin = max(0, min(settings.active_pin, len(settings.pins) - 1))
     sync(obj)
+
+
+def _sharing(obj: bpy.types.Object, group: str, pinned: bpy.types.Object) -> list[bpy.types.PropertyGroup]:
+    """The pins of an object, and those of the object of a group, that hold this group."""
+    lists = (obj, pinned) if pinned != obj and has_pins(pinned) else (obj,)
+    pins = (pin for one in lists for pin in one.planar.pins)
+    return [pin for pin in pins if pin.group == group and pinned_object(pin) == pinned]
 
 
 def _named(obj: bpy.types.Object, pin: bpy.types.PropertyGroup) -> bpy.types.PropertyGroup:

@@ -221,7 +221,8 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
             drawing = current.drawing.carried(obj) or CutoutObject(obj, reading, current.drawing)
     except Refusal as refusal:
         return _Kept(obj.name, Snapshot(refusal=str(refusal)), state, None)
-    holders = pin_list.bound_pins(obj, drawing, reading.groups, old.holders if old else ())
+    groups = {obj.session_uid: reading.groups}
+    holders = pin_list.bound_pins(obj, drawing, groups, old.holders if old else ())
     edges = None if current is None else current.edges
     if not state.show_mesh or edges is None:
         edges = _edges(obj, drawing)
