@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The points of an object's shape: a mesh's vertices, or the points of a curve's poly splines in order.
+"""The points of an object's shape: of a mesh, a lattice, or of a curve's poly splines in order.
 
 A shape is float32 and object-local: count x 3 coordinates, of a curve count x 5, with the radius and the
 tilt of each point, which its shape keys hold and Blender blends as well.
@@ -21,11 +21,13 @@ def count(obj: bpy.types.Object) -> int:
     """How many points the object has."""
     if obj.type == "CURVE":
         return sum(len(spline.points) for spline in obj.data.splines)
-    return len(obj.data.vertices)
+    return len(obj.data.points if obj.type == "LATTICE" else obj.data.vertices)
 
 
 def read(obj: bpy.types.Object) -> Array32:
-    """The shape that the mesh or curve has without shape keys."""
+    """The shape that the mesh, the curve or the lattice has without shape keys."""
+    if obj.type == "LATTICE":
+        return _columns(obj.data.points, (), name="co_deform")
     if obj.type != "CURVE":
         return _columns(obj.data.vertices, ())
     splines = [_columns(spline.points, CURVE_FIELDS, 4) for spline in obj.data.splines]
@@ -33,7 +35,10 @@ def read(obj: bpy.types.Object) -> Array32:
 
 
 def write(obj: bpy.types.Object, shape: Array32) -> None:
-    """Give the mesh or curve itself a shape; of a curve's, coordinates alone will do, too."""
+    """Give the mesh, curve or lattice itself a shape; of a curve's, coordinates alone will do, too."""
+    if obj.type == "LATTICE":
+        obj.data.points.foreach_set("co_deform", shape.ravel())
+        return
     if obj.type != "CURVE":
         obj.data.vertices.foreach_set("co", shape.ravel())
         return
@@ -72,7 +77,7 @@ def write_block(block: bpy.types.ShapeKey, shape: Array32) -> None:
 def update(obj: bpy.types.Object) -> None:
     """Tell Blender, and what is kept of shapes, that the object's shape has been written."""
     changes.tell(obj)
-    if obj.type == "CURVE":
+    if obj.type != "MESH":
         obj.data.update_tag()
     else:
         obj.data.update()
@@ -87,10 +92,12 @@ def _coordinates(block: bpy.types.ShapeKey) -> bpy.types.bpy_prop_collection:
     return block.points if len(block.points) else block.data
 
 
-def _columns(points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3) -> Array32:
+def _columns(
+    points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3, name: str = "co"
+) -> Array32:
     result = np.empty((len(points), size + len(fields)), np.float32)
     coordinates = np.empty(len(points) * size, np.float32)
-    points.foreach_get("co", coordinates)
+    points.foreach_get(name, coordinates)
     result[:, :size] = coordinates.reshape(-1, size)
     for column, field in enumerate(fields, size):
         values = np.empty(len(points), np.float32)
