@@ -35,6 +35,7 @@ class Elements(TypedDict, total=False):
     edges: NDArray[np.int32]  # e x 2
 
 
+LatticeBasis = Literal["BERNSTEIN", "LINEAR", "CARDINAL", "CATMULL_ROM", "BSPLINE"]
 # A sparse matrix by rows: where each row begins, columns, values.
 LatticeWeights = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]
 

@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a lattice to what it deforms: the meshes as they reach their Lattice modifiers, and by what weights.
+
+A vertex x of such a mesh is shown at x + a·Σ b·(P - P⁰): b are the weights of the lattice's points P at the
+place of x, which are at rest at P⁰, and a is the modifier's strength through its vertex group (twice, where
+the lattice has a vertex group, too). All is in the world here.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ... import native
+from ...errors import Refusal
+from ...model.plane.frame import Array, Array32, Indices, mapped
+from ..objects.flat_object import linear_of, origin_of
+from ..objects.pose_store import store_of
+from ..objects.triangulation import Faces, faces_of
+from ..storage import changes
+from ..storage.vertex_groups import members
+
+CAPACITY = 4  # lattices; what is kept of one with 20k vertices takes some 10 MB
+# Modifiers above the lattice's that leave the vertices as they are.
+HARMLESS = frozenset(
+    [
+        *("DATA_TRANSFER", "NORMAL_EDIT", "UV_PROJECT", "UV_WARP", "WEIGHTED_NORMAL"),
+        *("VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY"),
+    ]
+)
+BASES: dict[str, native.LatticeBasis] = {
+    "KEY_LINEAR": "LINEAR",
+    "KEY_CARDINAL": "CARDINAL",
+    "KEY_CATMULL_ROM": "CATMULL_ROM",
+    "KEY_BSPLINE": "BSPLINE",
+}
+RigState = tuple[Any, ...]  # equal as long as a rig would be read the same
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """A lattice's points at rest, and how they share the space between them."""
+
+    counts: tuple[int, int, int]
+    kinds: tuple[native.LatticeBasis, ...]
+    co: Array32  # N x 3, in the lattice's own space
+    group: Array | None  # N, weights of the lattice's own vertex group
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """Equal for equal grids."""
+        return (
+            self.counts,
+            self.kinds,
+            self.co.tobytes(),
+            None if self.group is None else self.group.tobytes(),
+        )
+
+    def weights(self, places: Array) -> native.LatticeWeights:
+        """Those of the points at n x 3 places of the lattice's space."""
+        starts = (1, self.counts[0], self.counts[0] * self.counts[1])
+        origin = self.co[0].astype(np.float64)
+        spacing = [
+            float(self.co[start, axis] - origin[axis]) if count > 1 else 1.0
+            for axis, (start, count) in enumerate(zip(starts, self.counts, strict=True))
+        ]
+        return native.lattice_weights(places, self.counts, self.kinds, origin=origin, spacing=spacing)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One of the objects that a lattice deforms. The very same again as long as all of it is."""
+
+    name: str
+    session_uid: int
+    key: tuple[Any, ...]
+    faces: Faces
+    rest: Array  # n x 3, of the vertices of faces
+    weights: native.LatticeWeights  # of the lattice's points, n x N by rows, with the modifier's factors
+
+    def rows_of(self, vertices: Indices) -> Indices:
+        """Which of its rows these vertices are; -1 for those of no face, and those that do not exist."""
+        rows = np.full(max(int(vertices.max(initial=-1)), int(self.faces.vertices[-1])) + 1, -1, np.int32)
+        rows[self.faces.vertices] = np.arange(len(self.faces.vertices), dtype=np.int32)
+        found: Indices = rows[vertices]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class LatticeRig:
+    """All that a lattice deforms. Rows are vertices of faces, those of one object behind those of another.
+
+    The arrays are the very same again as long as meshes, modifiers and the lattice at rest are.
+    """
+
+    grid: Grid
+    parts: tuple[Part, ...]
+    points_at_rest: Array  # N x 3, in the world
+
+    @property
+    def flat_axis(self) -> int | None:
+        """The only axis of the lattice with but one point; None for a lattice in space."""
+        single = [axis for axis, count in enumerate(self.grid.counts) if count == 1]
+        return single[0] if len(single) == 1 else None
+
+    @cached_property
+    def starts(self) -> list[int]:
+        """The first row of each part, and the number of all rows."""
+        return [0, *np.cumsum([len(part.rest) for part in self.parts]).tolist()]
+
+    @cached_property
+    def rest(self) -> Array:
+        """n x 3, as the meshes reach the modifiers."""
+        return np.concatenate([part.rest for part in self.parts])
+
+    @cached_property
+    def triangles(self) -> Indices:
+        """m x 3 rows."""
+        shifted = [part.faces.triangles + start for part, start in zip(self.parts, self.starts, strict=False)]
+        triangles: Indices = np.concatenate(shifted).astype(np.int32)
+        return triangles
+
+    @cached_property
+    def connected(self) -> Indices:
+        """The connected part of each row, counted from 0."""
+        counts = np.cumsum([0, *(int(part.faces.parts.max()) + 1 for part in self.parts)])
+        shifted = [part.faces.parts + count for part, count in zip(self.parts, counts, strict=False)]
+        connected: Indices = np.concatenate(shifted).astype(np.int32)
+        return connected
+
+    @cached_property
+    def weights(self) -> native.LatticeWeights:
+        """Of the lattice's points, n x N by rows, with all factors of the modifiers."""
+        ends = [part.weights[0][1:] for part in self.parts]
+        before = np.cumsum([0, *(end[-1] for end in ends)])
+        shifted = [end + start for end, start in zip(ends, before, strict=False)]
+        return (
+            np.concatenate([[0], *shifted]).astype(np.int32),
+            np.concatenate([part.weights[1] for part in self.parts]),
+            np.concatenate([part.weights[2] for part in self.parts]),
+        )
+
+    def shown(self, points: Array) -> Array:
+        """Where the rows are shown, n x 3, with the lattice's points at N x 3 places in the world."""
+        starts, columns, values = self.weights
+        moved = values[:, None] * (points - self.points_at_rest)[columns]
+        shown: Array = self.rest + np.add.reduceat(moved, starts[:-1])  # no row is empty
+        return shown
+
+    @property
+    def meshes(self) -> list[bpy.types.Object]:
+        """The objects, those that are gone left out."""
+        found = (bpy.data.objects.get(part.name) for part in self.parts)
+        return [obj for obj in found if obj is not None]
+
+    def rows_of(self, obj: bpy.types.Object, vertices: Indices) -> Indices:
+        """The rows of an object's vertices; -1 for those that are not deformed, and those of no face."""
+        for part, start in zip(self.parts, self.starts, strict=False):
+            if part.session_uid == obj.session_uid:
+                rows = part.rows_of(vertices)
+                return np.where(rows >= 0, rows + start, -1).astype(np.int32)
+        return np.full(len(vertices), -1, np.int32)
+
+    def vertices_of(self, rows: Indices) -> tuple[bpy.types.Object, Indices]:
+        """The object whose vertices rows of one part are, and which these are."""
+        index = int(np.searchsorted(self.starts, rows[0], side="right")) - 1
+        part = self.parts[index]
+        return bpy.data.objects[part.name], part.faces.vertices[rows - self.starts[index]]
+
+
+_kept: OrderedDict[int, LatticeRig] = OrderedDict()  # by session_uid of the lattice
+
+
+def deformed(lattice: bpy.types.Object) -> Iterator[tuple[bpy.types.Object, bpy.types.Modifier]]:
+    """The objects of the view layer that a lattice deforms and that are not hidden, with the modifiers."""
+    for obj in bpy.context.view_layer.objects:
+        if obj.type == "MESH" and not obj.hide_viewport and not obj.hide_get():
+            for modifier in obj.modifiers:
+                if modifier.type == "LATTICE" and modifier.show_viewport and modifier.object == lattice:
+                    yield obj, modifier
+
+
+def rig_state(lattice: bpy.types.Object) -> RigState:
+    """All that a rig depends on. It takes some microseconds an object, whatever the size of the meshes."""
+    return (
+        changes.count(lattice),
+        *(
+            (changes.count(obj), obj.data.session_uid, obj.mode, np.array(obj.matrix_world).tobytes())
+            for obj, _ in deformed(lattice)
+        ),
+    )
+
+
+def read_rig(lattice: bpy.types.Object) -> LatticeRig:
+    """What a lattice deforms. Raises Refusal; changes nothing."""
+    grid = _read_grid(lattice)
+    points_at_rest = mapped(grid.co.astype(np.float64), linear_of(lattice)) + origin_of(lattice)
+    before = _kept.pop(lattice.session_uid, None)
+    old = {} if before is None else {part.session_uid: part for part in before.parts}
+    parts: list[Part] = []
+    for obj, modifier in deformed(lattice):
+        if parts and parts[-1].session_uid == obj.session_uid:
+            raise Refusal(f"'{obj.name}' has two modifiers of '{lattice.name}': remove one")
+        parts.append(_read_part(lattice, grid, obj, modifier, old.get(obj.session_uid)))
+    if not parts:
+        raise Refusal(
+            f"'{lattice.name}' deforms no mesh that is shown: give one a Lattice modifier with this object"
+        )
+    rig = LatticeRig(grid, tuple(parts), points_at_rest)
+    if (
+        before is not None
+        and len(before.parts) == len(parts)
+        and all(a is b for a, b in zip(before.parts, parts, strict=True))
+        and np.array_equal(before.points_at_rest, points_at_rest)
+    ):
+        rig = before
+    _kept[lattice.session_uid] = rig
+    while len(_kept) > CAPACITY:
+        _kept.popitem(last=False)
+    return rig
+
+
+def forget() -> None:
+    """Keep none."""
+    _kept.clear()
+
+
+def _read_grid(lattice: bpy.types.Object) -> Grid:
+    data = lattice.data
+    counts = data.points_u, data.points_v, data.points_w
+    if sum(count > 1 for count in counts) < 2:
+        raise Refusal(f"'{lattice.name}' has one point in two axes: raise its Resolution in the Data tab")
+    if data.use_outside:
+        raise Refusal(
+            f"'{lattice.name}' has Outside on, which takes its inner points away: turn it off in the Data tab"
+        )
+    moving = [modifier.name for modifier in lattice.modifiers if modifier.show_viewport]
+    if moving:
+        raise Refusal(f"Modifier '{moving[0]}' moves points of '{lattice.name}': apply it, or hide it")
+    co = np.empty(len(data.points) * 3, np.float32)
+    data.points.foreach_get("co", co)
+    group = None
+    if data.vertex_group and data.vertex_group in lattice.vertex_groups:
+        index = lattice.vertex_groups[data.vertex_group].index
+        shares = ([e.weight for e in point.groups if e.group == index] for point in data.points)
+        group = np.array([share[0] if share else 0.0 for share in shares])
+    kinds = data.interpolation_type_u, data.interpolation_type_v, data.interpolation_type_w
+    return Grid(counts, tuple(BASES[kind] for kind in kinds), co.reshape(-1, 3), group)
+
+
+def _read_part(
+    lattice: bpy.types.Object,
+    grid: Grid,
+    obj: bpy.types.Object,
+    modifier: bpy.types.Modifier,
+    before: Part | None,
+) -> Part:
+    """One object, as it is; the same part as before where that still holds."""
+    _check(obj, modifier)
+    shape = store_of(obj, unkeyed=True).shown.astype(np.float32)
+    faces = faces_of(obj.data, shape)
+    factors = _factors(obj, modifier)
+    matrices = np.array(obj.matrix_world), np.array(lattice.matrix_world)
+    key = (
+        *(obj.data.session_uid, shape.tobytes(), grid.key),
+        *(matrix.tobytes() for matrix in matrices),
+        factors.tobytes() if isinstance(factors, np.ndarray) else factors,
+    )
+    if before is not None and before.faces is faces and before.key == key and before.name == obj.name:
+        return before
+    coordinates = shape[faces.vertices].astype(np.float64)
+    if not np.isfinite(coordinates).all():
+        raise Refusal(f"'{obj.name}' has vertices with coordinates that are not numbers: delete them")
+    rest = mapped(coordinates, linear_of(obj)) + origin_of(obj)
+    inverse = np.linalg.inv(linear_of(lattice))
+    starts, columns, values = grid.weights(mapped(rest - origin_of(lattice), inverse))
+    counts = np.diff(starts)
+    share = factors if isinstance(factors, float) else factors[faces.vertices]
+    if grid.group is not None:
+        share = share * share * np.add.reduceat(values * grid.group[columns], starts[:-1])
+    scaled = values * np.repeat(np.broadcast_to(share, len(rest)), counts)
+    return Part(obj.name, obj.session_uid, key, faces, rest, (starts, columns, scaled))
+
+
+def _check(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
+    """Raises Refusal where what reaches the modifier is not the mesh itself."""
+    if obj.mode != "OBJECT":
+        raise Refusal(f"'{obj.name}' is in another mode: leave that first")
+    for above in obj.modifiers:
+        if above == modifier:
+            break
+        if above.show_viewport and above.type not in HARMLESS:
+            raise Refusal(
+                f"Modifier '{above.name}' of '{obj.name}' stands above '{modifier.name}': move it below in "
+                "the Modifiers tab, or apply it"
+            )
+    keys = obj.data.shape_keys
+    if keys is not None and not keys.use_relative and not obj.planar.poses:
+        raise Refusal(f"'{obj.name}' has absolute shape keys: turn on Relative in its Shape Keys panel")
+    if not obj.data.polygons:
+        raise Refusal(
+            f"'{obj.name}' has no faces: remove its Lattice modifier while '{modifier.name}' is posed"
+        )
+
+
+def _factors(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> Array | float:
+    """What a modifier multiplies the displacement of each vertex by (count,), or of all of them."""
+    strength = float(modifier.strength)
+    if not modifier.vertex_group or modifier.vertex_group not in obj.vertex_groups:
+        return strength
+    rows, shares = members(obj, [modifier.vertex_group])[modifier.vertex_group]
+    weights = np.zeros(len(obj.data.vertices))
+    weights[rows] = shares
+    factors: Array = strength * (1.0 - weights if modifier.invert_vertex_group else weights)
+    return factors
