@@ -13,6 +13,7 @@ import numpy as np
 from ..plane.cutout import Cutout
 from ..plane.frame import Array, Indices
 from ..plane.locate import MeshPoint, at, nearest_point
+from ..plane.space import nearest_in_space
 
 Kind = Literal["POINT", "PATCH"]
 
@@ -131,6 +132,7 @@ def _point_at(pin: Pin, shares: Array, centre: Array, cutout: Cutout) -> MeshPoi
             return MeshPoint(triangle, weights)
     parts = np.unique(cutout.parts[pin.vertices])
     among = np.flatnonzero(np.isin(cutout.parts[triangles[:, 0]], parts)).astype(np.int32)
-    point = nearest_point(cutout.rest, triangles, centre, among)
+    nearest = nearest_point if cutout.rest.shape[1] == 2 else nearest_in_space
+    point = nearest(cutout.rest, triangles, centre, among)
     assert point is not None  # every cutout vertex belongs to a triangle
     return point
