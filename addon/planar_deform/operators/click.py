@@ -9,15 +9,25 @@ from mathutils import Vector
 
 from ..errors import Refusal
 from ..model.plane.frame import Array
-from ..scene.objects.cutout_object import begin
+from ..scene.lattice.posed import PosedObject, begin_posing
+from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.pins import pin_list
 from ..scene.view import snapshot
-from ..scene.view.mouse import hidden_refusal, on_ring, pin_under, ray, refuse_hidden, ring_about
+from ..scene.view.mouse import (
+    hidden_refusal,
+    nearest_within,
+    on_ring,
+    pin_under,
+    ray,
+    refuse_hidden,
+    ring_about,
+)
 from .modal.session import PASSED_ON, is_dragged
 from .posing_operator import Refusing
 
 ADD = "Ctrl-click the drawing to add one"
 MENU = "PLANAR_MT_pin_context"
+ON_LATTICE_POINT = 8.0  # pixels at a UI scale of 1, within which a click is on a point of the lattice
 
 
 class PLANAR_OT_click(bpy.types.Operator):
@@ -53,7 +63,7 @@ class PLANAR_OT_click(bpy.types.Operator):
         if self.add:
             return {"FINISHED"} if add_pin_under(self, context, event) else {"CANCELLED"}
         other = _object_under(context, *ray(region, view, mouse))
-        if other is not None and other != context.object:
+        if other is not None and other != context.object and not _is_deformed(other, context.object):
             return self._activate(context, other)
         obj = context.object
         shown = seen is not None and bool(seen.pins)
@@ -93,14 +103,20 @@ class PLANAR_OT_click(bpy.types.Operator):
 
 
 def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, event: bpy.types.Event) -> bool:
-    """Add a pin to the active mesh under the mouse, in an undo step of its own; reports why it cannot be."""
+    """Add a pin under the mouse to the active object, in an undo step of its own; reports why it cannot."""
     mouse = event.mouse_region_x, event.mouse_region_y
     try:
         refuse_hidden(context)
-        drawing = begin(context)
+        drawing = begin_posing(context)
+        if isinstance(drawing, PosedLattice):
+            places = drawing.lattice_points
+            number = nearest_within(context.region, context.region_data, places, mouse, ON_LATTICE_POINT)
+            if number is not None:
+                bpy.ops.planar.add_pin("EXEC_DEFAULT", True, lattice_point=number)
+                return True
         point = drawing.pick(*ray(context.region, context.region_data, mouse))
         if point is None:
-            raise Refusal(f"'{drawing.object_name}' is not under the mouse: click a layer to make it active")
+            raise Refusal(_missed(drawing))
     except Refusal as refusal:
         operator.report({"WARNING"}, str(refusal))
         return False
@@ -109,6 +125,19 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
     place = drawing.to_world(place, drawing.cutout.parts[corners[:1]])
     bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=place[0].tolist())
     return True
+
+
+def _is_deformed(obj: bpy.types.Object, by: bpy.types.Object | None) -> bool:
+    """Whether an object is deformed by a lattice that is posed, to which it belongs in the Pose tool then."""
+    lattices = [modifier.object for modifier in obj.modifiers if modifier.type == "LATTICE"]
+    return by is not None and by in lattices
+
+
+def _missed(drawing: PosedObject) -> str:
+    """Why there is nothing to pin under the mouse."""
+    if isinstance(drawing, PosedLattice):
+        return f"Nothing that '{drawing.object_name}' deforms is under the mouse, and none of its points"
+    return f"'{drawing.object_name}' is not under the mouse: click a layer to make it active"
 
 
 class PLANAR_OT_pin_menu(bpy.types.Operator):

@@ -24,7 +24,7 @@ from ..model.plane.axes import plane_axes
 from ..model.plane.frame import PlaneFrame
 from ..model.posing.posing import Posing, Sample, Solved, carried_path
 from ..model.posing.spreading import Spreading
-from ..scene.view.mouse import refuse_hidden
+from ..scene.view.mouse import refuse_hidden, towards
 from .modal import running
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
@@ -76,6 +76,14 @@ class PinTransform(Interactive):
     release_confirm: BoolProperty(
         name="Confirm on Release", description="End when the mouse button is released", options=HIDDEN
     )
+    facing: FloatVectorProperty(
+        name="Facing",
+        description=(
+            "Direction in the world from which pins are seen, that move in space with a lattice: across it "
+            "they are moved; zero: the lattice's own Z"
+        ),
+        options=HIDDEN,
+    )
     path: StringProperty(name="Path", description=PATH, options=HIDDEN)
     _recorded: Sequence[Sample] = ()  # the way the mouse took: Blender repeats the operator with all it has
 
@@ -92,7 +100,14 @@ class PinTransform(Interactive):
         return {"FINISHED"}
 
     def _begun(self, context: bpy.types.Context) -> ObjectPosing:
-        return ObjectPosing(context, self.pin, self.extend, pivot=self.given_pivot(), model=self.model)
+        return ObjectPosing(
+            context,
+            self.pin,
+            self.extend,
+            pivot=self.given_pivot(),
+            facing=self.facing,
+            model=self.model,
+        )
 
     def given_pivot(self) -> Sequence[float] | None:
         """What to turn about, in the world; None: the centre of the pins."""
@@ -115,6 +130,7 @@ class PinTransform(Interactive):
         running.end()
         pressed = self.pin >= 0
         self.extend = pressed and event.shift
+        self.facing = towards(context.region_data)
         try:
             refuse_hidden(context)
             self._posing = self._begun(context)

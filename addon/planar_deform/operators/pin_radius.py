@@ -17,9 +17,9 @@ from ..model.input.numeric import Numeric
 from ..model.plane.frame import Indices
 from ..model.posing.patch_radius import least_radius, vertices_within
 from ..model.posing.pins import Holder
-from ..scene.objects.cutout_object import CutoutObject, begin
+from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.pins import pin_list
-from ..scene.view.mouse import ray, refuse_hidden
+from ..scene.view.mouse import ray, refuse_hidden, towards
 from .click import add_pin_under
 from .drag import HIDDEN
 from .modal import running
@@ -55,7 +55,7 @@ class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
         try:
-            drawing = begin(context)
+            drawing = begin_posing(context)
             found = [
                 (holder.pin.key, self._vertices(holder, drawing)) for holder in _chosen(context, drawing)
             ]
@@ -63,10 +63,11 @@ class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         for key, vertices in found:
-            pin_list.hold_as_patch(context.object, key, drawing.vertex_indices[vertices].tolist())
+            _, held = drawing.vertices_held(vertices)
+            pin_list.hold_as_patch(context.object, key, held.tolist())
         return {"FINISHED"}
 
-    def _vertices(self, holder: Holder, drawing: CutoutObject) -> Indices:
+    def _vertices(self, holder: Holder, drawing: PosedObject) -> Indices:
         vertices = vertices_within(holder, drawing.positions, self.radius)
         if not len(vertices):
             least = least_radius(holder, drawing.positions)
@@ -82,7 +83,7 @@ class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
         running.end()
         try:
             refuse_hidden(context)
-            self._drawing = begin(context)
+            self._drawing = begin_posing(context, facing=towards(context.region_data))
             self._holders = list(_chosen(context, self._drawing))
             active = context.object.planar.active_pin
             self._about = next((h for h in self._holders if h.pin.key == active), self._holders[0])
@@ -134,15 +135,15 @@ class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
         """Of the mouse from the pin, in the plane of the pin; None edge-on."""
         mouse = event.mouse_region_x, event.mouse_region_y
         sight = ray(context.region, context.region_data, mouse)
-        point = self._drawing.plane_from_ray(*sight, self._about.part)
+        point = self._drawing.plane_from_ray(*sight, self._about)
         place = self._about.place(self._drawing.positions)
-        return None if point is None else math.dist(point, place)
+        return None if point is None else math.dist(point, place[:2])
 
     def _circle(self, context: bpy.types.Context) -> list[tuple[float, float]]:
         """The circle of the radius about the pin, on the screen."""
         turns = np.linspace(0.0, math.tau, CORNERS + 1)
-        circle = self.radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-        circle += self._about.place(self._drawing.positions)
+        circle = np.tile(self._about.place(self._drawing.positions), (len(turns), 1))
+        circle[:, :2] += self.radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
         parts = np.full(len(circle), self._about.part, np.int32)
         seen = [
             location_3d_to_region_2d(context.region, context.region_data, Vector(corner))
@@ -151,11 +152,12 @@ class PLANAR_OT_set_pin_radius(GestureOperator, bpy.types.Operator):
         return [(place.x, place.y) for place in seen if place is not None]
 
 
-def _chosen(context: bpy.types.Context, drawing: CutoutObject) -> Iterator[Holder]:
+def _chosen(context: bpy.types.Context, drawing: PosedObject) -> Iterator[Holder]:
     """The selected pins. Raises Refusal if there are none that hold something."""
     obj = context.object
     pin_list.sync(obj)
     pins = [pin for pin in pin_list.model_pins(obj, drawing) if obj.planar.pins[pin.key].select]
+    pins = [pin for pin in pins if obj.planar.pins[pin.key].lattice_point < 0]
     if not pins:
         raise Refusal("No pins that hold vertices are selected: click one first")
     return (Holder(pin, drawing.cutout) for pin in pins)

@@ -10,27 +10,28 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from ..errors import Refusal
-from ..scene.objects.cutout_object import CutoutObject, begin, pose_refusal
+from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
+from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.pins import pin_list
 from ..scene.properties import KINDS
 from ..scene.storage import migration
 from ..scene.view.mouse import hidden_refusal
 from .modal import running
-from .posing_operator import PosingOperator, Refusing
+from .posing_operator import PinPosingOperator, Refusing
 
 # Farther than this share of the diagonal from the mesh, a place is not on it.
 ON_MESH = 0.01
 
 
-class PinOperator(PosingOperator):
-    """Changes the pins of a mesh that can be posed."""
+class PinOperator(PinPosingOperator):
+    """Changes the pins of what can be posed."""
 
     def apply(self, context: bpy.types.Context) -> None:
-        drawing = begin(context)
+        drawing = begin_posing(context)
         pin_list.sync(context.object)
         self.change(context.object, drawing)
 
-    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
+    def change(self, obj: bpy.types.Object, drawing: PosedObject) -> None:
         """Change the pins, in a subclass. Raises Refusal, with nothing changed."""
         raise NotImplementedError
 
@@ -38,20 +39,37 @@ class PinOperator(PosingOperator):
 class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
     bl_idname = "planar.add_pin"
     bl_label = "Add Pin"
-    bl_description = "Add a point pin at a place on the mesh"
+    bl_description = "Add a point pin at a place on the mesh, or on a point of the lattice"
 
     location: FloatVectorProperty(
         name="Location", description="World position of the pin", subtype="TRANSLATION", unit="LENGTH"
+    )
+    lattice_point: IntProperty(
+        name="Lattice Point",
+        description="Number of the lattice's point to pin, instead of a place on a mesh; none if negative",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
     )
     extend: BoolProperty(
         name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
     )
 
-    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
-        point = drawing.nearest(np.array(self.location, dtype=np.float64), ON_MESH * drawing.cutout.diagonal)
-        if point is None:
-            raise Refusal("No mesh there: add the pin at a point of the drawing")
-        pin = pin_list.add_at(obj, drawing, point)
+    def change(self, obj: bpy.types.Object, drawing: PosedObject) -> None:
+        if self.lattice_point >= 0:
+            if not isinstance(drawing, PosedLattice):
+                raise Refusal(f"'{obj.name}' is no lattice, whose points could be pinned")
+            count = len(obj.data.points)
+            if self.lattice_point >= count:
+                raise Refusal(f"There is no point {self.lattice_point}: the lattice has {count}")
+            pin = pin_list.add_on_lattice_point(obj, self.lattice_point)
+        else:
+            place = np.array(self.location, dtype=np.float64)
+            point = drawing.nearest(place, ON_MESH * drawing.cutout.diagonal)
+            if point is None:
+                raise Refusal("No mesh there: add the pin at a point of the drawing")
+            pin_list.check_groups_of(drawing.vertices_held(drawing.cutout.triangles[point.triangle])[0])
+            pin = pin_list.add_at(obj, drawing, point)
         if not self.extend:
             _select(obj, [])
         pin.select = True
@@ -61,19 +79,29 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
     bl_idname = "planar.add_pins_from_selected"
     bl_label = "Add Pins from Selected"
     bl_description = (
-        "Add pins on the vertices selected in Edit Mode: a point pin on each, or one patch pin on all"
+        "Add pins on the vertices selected in Edit Mode: a point pin on each, or one patch pin on all. Of a "
+        "lattice, on its selected points"
     )
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
+    def change(self, obj: bpy.types.Object, drawing: PosedObject) -> None:
+        first = len(obj.planar.pins)
+        if isinstance(drawing, PosedLattice):
+            chosen = {index for index, point in enumerate(obj.data.points) if point.select}
+            if not chosen:
+                raise Refusal("No points of the lattice are selected: select some in Edit Mode first")
+            for index in sorted(chosen):
+                pin_list.add_on_lattice_point(obj, index)
+            pins = enumerate(obj.planar.pins)
+            _select(obj, (key for key, pin in pins if pin.lattice_point in chosen))
+            return
         selected = np.empty(len(obj.data.vertices), bool)
         obj.data.vertices.foreach_get("select", selected)
         on_faces = drawing.vertex_indices[selected[drawing.vertex_indices]].tolist()
         if not on_faces:
             raise Refusal("No vertices of faces are selected: select some in Edit Mode first")
         new = [on_faces] if self.kind == "PATCH" else [[vertex] for vertex in on_faces]
-        first = len(obj.planar.pins)
         for vertices in new:
             pin_list.add_on_vertices(obj, vertices, self.kind)
         _select(obj, range(first, len(obj.planar.pins)))
@@ -84,17 +112,28 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
     bl_label = "Add Pin from Vertex Group"
     bl_description = "Add a pin on a vertex group, the active one unless another is named"
 
+    object: StringProperty(
+        name="Object",
+        description="Whose group it is, of all that a lattice deforms; empty for the only one that has it",
+    )
     group: StringProperty(name="Vertex Group", description="Group to pin; empty for the active one")
     kind: EnumProperty(name="Kind", description="Kind of the new pin", items=KINDS)
 
-    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
-        group = obj.vertex_groups.get(self.group) if self.group else obj.vertex_groups.active
-        if group is None:
-            wanted = f"No vertex group '{self.group}'" if self.group else "No active vertex group"
+    def change(self, obj: bpy.types.Object, drawing: PosedObject) -> None:
+        objects = [other for other in drawing.meshes if self.object in {"", other.name}]
+        if not objects:
+            raise Refusal(f"'{self.object}' is not deformed by '{obj.name}': choose an object that is")
+        named, active = self.group, [other.vertex_groups.active for other in objects]
+        groups = [other.vertex_groups.get(named) for other in objects] if named else active
+        found = [group for group in groups if group is not None]
+        if not found:
+            wanted = f"No vertex group '{named}'" if named else "No active vertex group"
             raise Refusal(f"{wanted}: make one in the Vertex Groups panel")
-        if any(pin.group == group.name for pin in obj.planar.pins):
-            raise Refusal(f"Vertex group '{group.name}' has a pin already: choose another group")
-        pin_list.add_on_group(obj, group, self.kind)
+        if len(found) > 1:
+            raise Refusal("Several objects have such a group: name the object as well")
+        if pin_list.is_pinned(obj, found[0]):
+            raise Refusal(f"Vertex group '{found[0].name}' has a pin already: choose another group")
+        pin_list.add_on_group(obj, found[0], self.kind)
         _select(obj, [len(obj.planar.pins) - 1])
 
 
@@ -105,9 +144,13 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Kind", description="Kind of the new pins", items=KINDS)
 
-    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
-        taken = {pin.group for pin in obj.planar.pins} | {obj.planar.stiffness_group}
-        new = [group for group in obj.vertex_groups if group.name not in taken]
+    def change(self, obj: bpy.types.Object, drawing: PosedObject) -> None:
+        new = [
+            group
+            for other in drawing.meshes
+            for group in other.vertex_groups
+            if group.name != other.planar.stiffness_group and not pin_list.is_pinned(obj, group)
+        ]
         if not new:
             raise Refusal("Every vertex group has a pin already: add groups in the Vertex Groups panel first")
         first = len(obj.planar.pins)
@@ -211,7 +254,8 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
     kind: EnumProperty(name="Kind", description="How the pins hold the drawing", items=KINDS)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        changed = [pin for pin in context.object.planar.pins if pin.select and pin.kind != self.kind]
+        pins = [pin for pin in context.object.planar.pins if pin.select and pin.lattice_point < 0]
+        changed = [pin for pin in pins if pin.kind != self.kind]
         if not changed:
             self.report({"WARNING"}, "No selected pin is of another kind: select some first")
             return {"CANCELLED"}
@@ -252,11 +296,11 @@ class PLANAR_OT_enable_pins(PinListOperator, bpy.types.Operator):
 
 def _list_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why the pin list of an object cannot be changed, and what to do; None if it can."""
-    if obj is None or obj.type != "MESH" or not obj.planar.pins:
+    if obj is None or not pin_list.has_pins(obj):
         return "No pins: add some first"
     local = obj.library is None and obj.data.library is None and obj.override_library is None
     fit = local and obj.mode == "OBJECT" and not migration.is_newer(obj)
-    return None if fit else pose_refusal(obj)
+    return None if fit else posing_refusal(obj)
 
 
 def _select(obj: bpy.types.Object, wanted: Iterable[int]) -> None:

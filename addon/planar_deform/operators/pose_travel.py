@@ -12,18 +12,19 @@ from bpy.props import EnumProperty, FloatProperty
 from .. import native
 from ..errors import Refusal
 from ..model.plane.frame import Array
-from ..model.posing import solver_cache, solving
+from ..model.posing import solving
 from ..model.posing.pin_mirror import PinMirror
 from ..model.posing.pin_reset import PinReset
 from ..model.posing.pins import Holder
 from ..model.posing.pose_copy import CopiedPose, copied, pasted
 from ..model.posing.posing import PinResult
 from ..model.posing.symmetry import NotSymmetricError, find_symmetry, partner_pins
+from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.objects.connectivity import connectivity_of
 from ..scene.objects.cutout_object import CutoutObject, begin
 from ..scene.pins import pin_list
 from .keying import auto_key
-from .posing_operator import PosingOperator
+from .posing_operator import PinPosingOperator, PosingOperator
 
 _clipboard: CopiedPose | None = None  # as long as Blender runs, whatever files are opened
 
@@ -109,7 +110,7 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
             raise Refusal(
                 f"The rest shape is not symmetric: {why}. With pins that are on, it can be mirrored by these"
             )
-        poser = partial(solver_cache.poser_for, drawing.session_uid, cutout, obj.planar.method.lower())
+        poser = partial(drawing.poser, obj.planar.method.lower())
         posing = PinMirror(cutout, drawing.positions, pins, int(self.axis == "VERTICAL"), poser)
         try:
             posing.run()
@@ -119,23 +120,20 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
         self.report({"INFO"}, f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
 
 
-class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
+class PLANAR_OT_reset_selected_pins(PinPosingOperator, bpy.types.Operator):
     bl_idname = "planar.reset_selected_pins"
     bl_label = "Reset Selected Pins"
     bl_description = "Take the selected pins back to where they are at rest; the drawing follows"
 
     def apply(self, context: bpy.types.Context) -> None:
         solving.halt()
-        obj, drawing = context.object, begin(context)
+        obj, drawing = context.object, begin_posing(context)
         pin_list.sync(obj)
         usable = pin_list.model_pins(obj, drawing)
         moving = {pin.key for pin in usable if pin.enabled and obj.planar.pins[pin.key].select}
         if not moving:
             raise Refusal("No pins that hold the drawing are selected: click one first")
-        method = obj.planar.method.lower()
-        poser = partial(
-            solver_cache.poser_for, drawing.session_uid, drawing.cutout, method, drawing.positions
-        )
+        poser = partial(drawing.poser, obj.planar.method.lower(), drawing.positions)
         posing = PinReset(drawing.cutout, drawing.positions, usable, moving, poser)
         try:
             posing.run()
@@ -152,7 +150,7 @@ def _named(obj: bpy.types.Object, drawing: CutoutObject) -> list[tuple[str, Hold
 
 
 def _show(
-    context: bpy.types.Context, drawing: CutoutObject, positions: Array, results: Iterable[PinResult]
+    context: bpy.types.Context, drawing: PosedObject, positions: Array, results: Iterable[PinResult]
 ) -> None:
     drawing.write(positions)
     pin_list.store_results(context.object, drawing, results)

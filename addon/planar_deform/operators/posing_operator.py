@@ -9,6 +9,7 @@ from typing import ClassVar
 import bpy
 
 from ..errors import Refusal
+from ..scene.lattice.posed import posing_refusal
 from ..scene.objects import modifiers
 from ..scene.objects.any_object import shape_refusal
 from ..scene.objects.cutout_object import pose_refusal
@@ -54,6 +55,14 @@ class PosingOperator(Refusing):
     def apply(self, context: bpy.types.Context) -> None:
         """Do it, in a subclass. Raises Refusal, with nothing changed."""
         raise NotImplementedError
+
+
+class PinPosingOperator(PosingOperator):
+    """Works on what pins pose, which lattices are as well as meshes with faces."""
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return posing_refusal(context.object) or modifiers.covering(context.object)
 
 
 class ShapeOperator(PosingOperator):

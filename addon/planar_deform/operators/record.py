@@ -15,7 +15,7 @@ from ..model.input.recording import Layer, Poses, Recording, smoothed
 from ..model.plane.frame import Array
 from ..model.posing.posing import Sample, Solved
 from ..scene.objects.any_object import key_poses
-from ..scene.objects.cutout_object import begin
+from ..scene.objects.cutout_object import CutoutObject, begin
 from ..scene.pins import pin_list
 from ..scene.sequence import pose_state
 from ..scene.view import snapshot
@@ -290,10 +290,12 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     def _keep(self, context: bpy.types.Context, posing: ObjectPosing, poses: Poses) -> None:
         """Key the poses; the last one is shown, and the pins hold it."""
-        posing.drawing.restore()
+        drawing = posing.drawing
+        assert isinstance(drawing, CutoutObject)  # no other is recorded
+        drawing.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
         by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
-        key_poses(posing.drawing, by_frame, throughout=True)
+        key_poses(drawing, by_frame, throughout=True)
         solved = poses.last
         assert solved is not None  # all of them are solved
         pin_list.store_results(context.object, begin(context), solved.results)

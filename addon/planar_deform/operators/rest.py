@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import bpy
 
+from ..scene.lattice.posed import begin_posing
 from ..scene.objects import rest_shape
-from ..scene.objects.cutout_object import begin
 from ..scene.pins import pin_list
-from .posing_operator import PosingOperator
+from .posing_operator import PinPosingOperator, PosingOperator
 
 
 class PLANAR_OT_set_rest_to_current(PosingOperator, bpy.types.Operator):
@@ -24,7 +24,7 @@ class PLANAR_OT_set_rest_to_current(PosingOperator, bpy.types.Operator):
         pin_list.forget_targets(context.object)
 
 
-class PLANAR_OT_reset_to_rest(PosingOperator, bpy.types.Operator):
+class PLANAR_OT_reset_to_rest(PinPosingOperator, bpy.types.Operator):
     bl_idname = "planar.reset_to_rest"
     bl_label = "Reset to Rest"
     bl_description = (
@@ -32,7 +32,7 @@ class PLANAR_OT_reset_to_rest(PosingOperator, bpy.types.Operator):
     )
 
     def apply(self, context: bpy.types.Context) -> None:
-        begin(context).write_rest()
+        begin_posing(context).write_rest()
         pin_list.forget_targets(context.object)
 
 

@@ -10,12 +10,12 @@ from ..model.posing.posing import Sample, Solved
 from .modal import running
 from .modal.object_posing import ObjectPosing
 from .modal.session import Interactive, Session
-from .posing_operator import PosingOperator
+from .posing_operator import PinPosingOperator
 
 STILL: Sample = (0.0, 0.0, 0.0)
 
 
-class PLANAR_OT_settle_pose(Interactive, PosingOperator, bpy.types.Operator):
+class PLANAR_OT_settle_pose(Interactive, PinPosingOperator, bpy.types.Operator):
     bl_idname = "planar.settle_pose"
     bl_label = "Settle Pose"
     bl_description = (

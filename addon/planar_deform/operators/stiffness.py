@@ -16,7 +16,6 @@ import bpy
 from .. import compat, native
 from ..errors import ObjectGone, Refusal
 from ..model.plane.cutout import NEUTRAL
-from ..model.posing import solver_cache
 from ..model.posing.posing import Posing, Solved
 from ..model.posing.solving import Solving, StoppedError
 from ..scene.objects import stiffness
@@ -63,9 +62,7 @@ class _Settling:
         used = pin_list.model_pins(obj, self.drawing)
         if settings.method != "HOLD" or not any(pin.enabled for pin in used):
             raise Refusal("Stiffness is felt when pins are moved")
-        make_poser = partial(
-            solver_cache.poser_for, obj.session_uid, self.drawing.cutout, settings.method.lower(), positions
-        )
+        make_poser = partial(self.drawing.poser, settings.method.lower(), positions)
         self._solved: Solved | None = None
         self._solving = Solving(Posing(self.drawing.cutout, positions, used, (), make_poser))
         self._solving.ask((0.0, 0.0, 0.0))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from .pins import following
-from .pins.pin_list import sync
+from .pins.pin_list import has_pins, sync
 from .sequence import pose_edit, pose_state
 from .storage import migration
 from .storage.migration import OWNER
@@ -20,6 +20,9 @@ def match_mesh(obj: bpy.types.Object) -> None:
     """
     if obj.type != "MESH" or obj.library is not None or obj.mode not in {"OBJECT", "WEIGHT_PAINT"}:
         return
+    for modifier in obj.modifiers:
+        if modifier.type == "LATTICE" and has_pins(modifier.object):
+            _match_lattice(modifier.object)
     if not obj.is_property_set("planar") and OWNER not in obj.data.attributes:
         return  # the first look at its settings sets them
     if migration.is_newer(obj) or snapshot.following(obj):
@@ -27,6 +30,12 @@ def match_mesh(obj: bpy.types.Object) -> None:
     if obj.planar.stiffness_group and not obj.planar.pins:
         sync(obj)
     following.follow(obj)
+
+
+def _match_lattice(lattice: bpy.types.Object) -> None:
+    """The pins of a lattice follow the vertex groups of what it deforms."""
+    if lattice.library is None and not migration.is_newer(lattice) and not snapshot.following(lattice):
+        sync(lattice)
 
 
 def activate_shown_pose(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

@@ -59,17 +59,19 @@ class LatticePoser:
         self._solver.reset(self._into(positions[self._count :]))
 
     def set_handles(self, handles: tuple[Indices, Array], *, weights: Array, groups: Indices) -> None:
-        """Handles as of native.Poser. Of several on one point of the lattice the first one counts."""
+        """Handles as of native.Poser. Of several on one point of the lattice the first one counts.
+
+        Each handle of a patch weighs as much as a pin, so that patches are rigid: bending is dearer here.
+        """
         triangles, corners = handles
         self._on_mesh = np.flatnonzero(triangles < self._first)
         points, first = np.unique(triangles, return_index=True)
         self._on_lattice = np.sort(first[points >= self._first])
-        shares = weights / np.bincount(groups)[groups]
         on_mesh = (triangles[self._on_mesh], corners[self._on_mesh])
         self._solver.set_handles(
             on_mesh if len(self._on_mesh) else None,
             triangles[self._on_lattice] - self._first if len(self._on_lattice) else None,
-            weights=shares[self._on_mesh] if len(self._on_mesh) else None,
+            weights=weights[self._on_mesh] if len(self._on_mesh) else None,
         )
 
     def move(self, targets: Array) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cached_property, partial
 
 import bpy
 import numpy as np
@@ -13,11 +13,11 @@ import numpy as np
 from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array
-from ...model.posing import solver_cache, solving
+from ...model.posing import solving
 from ...model.posing.pins import Holder
 from ...model.posing.posing import Posing, Sample, Solved
+from ...scene.lattice.posed import begin_posing
 from ...scene.objects import modifiers
-from ...scene.objects.cutout_object import begin
 from ...scene.pins import pin_list
 from ...scene.view import snapshot
 from .. import keying
@@ -52,14 +52,15 @@ class ObjectPosing:
         settling: bool = False,
         unkeyed: bool = False,
         pivot: Sequence[float] | None = None,
+        facing: Sequence[float] | None = None,
         model: type[Posing] = Posing,
     ):
-        """`settling`: no pin moves, all of them hold. `unkeyed`: as in `begin`. `pivot`: a world position.
-        `model`: what samples mean.
+        """`settling`: no pin moves, all of them hold. `unkeyed`, `facing`: as in `begin_posing`. `pivot`: a
+        world position. `model`: what samples mean.
 
         Raises Refusal, with nothing changed.
         """
-        self.drawing = begin(context, unkeyed=unkeyed)
+        self.drawing = begin_posing(context, unkeyed=unkeyed, facing=facing)
         obj = context.object
         covered = modifiers.covering(obj)
         if covered is not None:
@@ -68,7 +69,6 @@ class ObjectPosing:
         if pressed >= len(settings.pins):
             raise Refusal(f"There is no pin {pressed}: the object has {len(settings.pins)}")
         pin_list.sync(obj)
-        self._key = obj.session_uid
         self._method = settings.method.lower()
         self._pins = pin_list.model_pins(obj, self.drawing)
         if settling and not any(pin.enabled for pin in self._pins):
@@ -101,16 +101,17 @@ class ObjectPosing:
             if not self._settling and not moving:
                 raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
             positions, cutout = self.drawing.positions, self.drawing.cutout
-            make_poser = partial(solver_cache.poser_for, self._key, cutout, self._method, positions)
+            make_poser = partial(self.drawing.poser, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
             self._model = self._make_model(cutout, positions, self._pins, moving, make_poser, self._pivot)
         return self._model
 
-    def part(self) -> int:
-        """The part of the cutout in whose plane the mouse moves: the pressed pin's, else a moving one's."""
+    @cached_property
+    def leading(self) -> Holder | None:
+        """The pin in whose plane the mouse moves: the pressed one, else a moving one."""
         chosen = [pin for pin in self._pins if pin.key == self._pressed]
         chosen += [pin for pin in self._pins if pin.key in self._moving]
-        return int(self.drawing.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
+        return Holder(chosen[0], self.drawing.cutout) if chosen else None
 
     def run(self, path: list[Sample], *, settle: bool) -> None:
         """Take the pins along a path, here and now, and end with what is reached.

@@ -42,7 +42,7 @@ class PlaneMouse:
         """A drag that counts from where the mouse began. Raises Refusal."""
         if self._start is None:
             raise Refusal(EDGE_ON)
-        x, y = self._posing.model.pivot.tolist()
+        x, y = self._posing.model.pivot[:2].tolist()
         frame = self._posing.drawing.frame
         axes = plane_axes(frame, "GLOBAL"), plane_axes(frame, "LOCAL")
         return Drag.begin(mode, *axes, (x, y), self._start, self._step)
@@ -73,7 +73,7 @@ class PlaneMouse:
     ) -> Point | None:
         """Where the mouse is in the plane of the pins, or pixels beside it; None where that is edge-on."""
         mouse = (event.mouse_x - region.x + aside, event.mouse_y - region.y)
-        point = self._posing.drawing.plane_from_ray(*ray(region, view, mouse), self._posing.part())
+        point = self._posing.drawing.plane_from_ray(*ray(region, view, mouse), self._posing.leading)
         return None if point is None else (float(point[0]), float(point[1]))
 
 

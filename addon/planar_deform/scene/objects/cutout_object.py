@@ -15,6 +15,8 @@ from ...model.plane.cutout import Cutout, diagonal_of, make_cutout, signed_areas
 from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped, plane_frame
 from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, fitted
+from ...model.posing import solver_cache
+from ...model.posing.pins import Holder
 from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness
@@ -38,6 +40,8 @@ def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | No
             f"'{obj.name}' is a curve, and pins need faces: pose it in Edit Mode and use Key Pose, or make "
             "it a mesh with Object > Convert > Mesh"
         )
+    if obj.type == "LATTICE":
+        return f"'{obj.name}' is a lattice: select one of the meshes that it deforms"
     if obj.type != "MESH":
         return f"'{obj.name}' is not a mesh: convert it with Object > Convert > Mesh"
     reason = data_refusal(obj, mode)
@@ -160,8 +164,28 @@ class CutoutObject(FlatObject):
         """Whose vertices rows are, and which."""
         return self.resolve(), self.vertex_indices[rows]
 
-    def plane_from_ray(self, origin: Array, direction: Array, part: int = 0) -> Array | None:
-        """Where a world ray meets the plane of a part (2,); None edge-on (within 5 degrees) or behind it."""
+    @property
+    def meshes(self) -> list[bpy.types.Object]:
+        """The objects whose vertices pins can hold."""
+        return [self.resolve()]
+
+    @property
+    def faces(self) -> Indices:
+        """The triangles, m x 3."""
+        return self.cutout.triangles
+
+    def poser(self, method: native.Method, positions: Array) -> native.Poser:
+        """A solver that stands at these positions. May be called in another thread."""
+        return solver_cache.poser_for(self.session_uid, self.cutout, method, positions)
+
+    def plane_from_ray(self, origin: Array, direction: Array, pin: Holder | None = None) -> Array | None:
+        """Where a world ray meets the plane in which a pin is moved, or the first part's (2,).
+
+        None edge-on (within 5 degrees), and where that is behind it.
+        """
+        return self._part_from_ray(origin, direction, 0 if pin is None else pin.part)
+
+    def _part_from_ray(self, origin: Array, direction: Array, part: int) -> Array | None:
         slope = float(direction @ self.frame.n)
         if abs(slope) < EDGE_ON * float(np.linalg.norm(direction)):
             return None
@@ -176,7 +200,7 @@ class CutoutObject(FlatObject):
         slope = float(direction @ self.frame.n)
         part_of = self.cutout.parts[self.cutout.triangles[:, 0]]
         for part in np.argsort((self._depths - float((origin - self._origin) @ self.frame.n)) * slope):
-            place = self.plane_from_ray(origin, direction, int(part))
+            place = self._part_from_ray(origin, direction, int(part))
             if place is None:
                 continue
             among = np.flatnonzero(part_of == part).astype(np.int32)

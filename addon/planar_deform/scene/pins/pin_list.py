@@ -12,6 +12,7 @@ from typing import Protocol
 import bpy
 import numpy as np
 
+from ...errors import Refusal
 from ...model.plane.cutout import Cutout
 from ...model.plane.frame import Array, Indices
 from ...model.plane.locate import MeshPoint
@@ -19,6 +20,7 @@ from ...model.posing.pins import Holder, Pin
 from ...model.posing.posing import PinResult
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE
+from ..objects.flat_object import MAKE_LOCAL
 from ..storage import migration
 from ..storage.vertex_groups import Members, members
 
@@ -261,6 +263,17 @@ def add_at(obj: bpy.types.Object, drawing: Drawing, point: MeshPoint) -> bpy.typ
     group = new_group(pinned)
     fill(group, corners[held], point.weights[held])
     return _named(obj, append(obj, group, "POINT", owns_group=True))
+
+
+def is_pinned(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
+    """Whether an object has a pin on a vertex group, of whatever object."""
+    return any(pin.group == group.name and pinned_object(pin) == group.id_data for pin in obj.planar.pins)
+
+
+def check_groups_of(pinned: bpy.types.Object) -> None:
+    """Raises Refusal where an object cannot get vertex groups."""
+    if any(one.library is not None or one.override_library is not None for one in (pinned, pinned.data)):
+        raise Refusal(f"'{pinned.name}' is linked, and cannot get a vertex group: {MAKE_LOCAL}")
 
 
 def add_on_vertices(

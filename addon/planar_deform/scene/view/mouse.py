@@ -41,6 +41,12 @@ def ray(
     return view_ray.ray(window, world_to_view, place)
 
 
+def towards(view: bpy.types.RegionView3D) -> tuple[float, float, float]:
+    """The direction in the world from which a view looks."""
+    x, y, z = view.view_matrix.row[2][:3]
+    return (x, y, z)
+
+
 def hidden_refusal(context: bpy.types.Context) -> str | None:
     """Why the active object's pins cannot be used in the view at hand, if it is hidden there."""
     obj = context.object
@@ -78,6 +84,19 @@ def pixels_to(
     return math.inf if seen is None else (seen - Vector(mouse)).length
 
 
+def nearest_within(
+    region: bpy.types.Region,
+    view: bpy.types.RegionView3D,
+    places: Iterable[Array],
+    mouse: Sequence[float],
+    reach: float,
+) -> int | None:
+    """Which of places in the world is nearest to the mouse; None beyond so many pixels at a UI scale of 1."""
+    distances = [(pixels_to(region, view, place, mouse), index) for index, place in enumerate(places)]
+    nearest = min(distances, default=(math.inf, -1))
+    return nearest[1] if nearest[0] <= reach * bpy.context.preferences.system.ui_scale else None
+
+
 def pin_under(
     region: bpy.types.Region,
     view: bpy.types.RegionView3D,
@@ -85,10 +104,9 @@ def pin_under(
     mouse: Sequence[float],
 ) -> int | None:
     """The index of the pin that the mouse is on, of several the nearest; None if it is on none."""
-    reach = REACH * bpy.context.preferences.system.ui_scale
-    distances = [(pixels_to(region, view, pin.place, mouse), pin.key) for pin in pins]
-    nearest = min(distances, default=(math.inf, -1))
-    return nearest[1] if nearest[0] <= reach else None
+    shown = list(pins)
+    nearest = nearest_within(region, view, (pin.place for pin in shown), mouse, REACH)
+    return None if nearest is None else shown[nearest].key
 
 
 def pins_within(

@@ -23,8 +23,10 @@ from ...errors import Refusal
 from ...model.plane.frame import Array, Indices
 from ...model.posing.pins import Holder
 from ...model.posing.posing import PinResult
+from ..lattice.posed import PosedObject, posing_refusal, read_posed
+from ..lattice.rig import RigState, rig_state
 from ..objects import cutout_reading
-from ..objects.cutout_object import CutoutObject, pose_refusal
+from ..objects.cutout_object import CutoutObject
 from ..objects.cutout_reading import CutoutReading
 from ..pins import pin_list
 from ..storage import changes
@@ -51,7 +53,7 @@ class Snapshot:
 
     pins: tuple[PinPlace, ...] = ()
     edges: Indices = field(default_factory=lambda: NO_EDGES)  # of the mesh
-    shape: tuple[CutoutObject, Array] | None = None  # the cutout and its positions, n x 2
+    shape: tuple[PosedObject, Array] | None = None  # what is posed and its positions
     refusal: str | None = None  # why the object cannot be posed, and what to do; then there is nothing else
 
     def pin(self, key: int) -> PinPlace | None:
@@ -69,15 +71,15 @@ class Snapshot:
     @property
     def triangles(self) -> Indices:
         """As they are solved, m x 3 indices into the points."""
-        return np.empty((0, 3), np.int32) if self.shape is None else self.shape[0].cutout.triangles
+        return np.empty((0, 3), np.int32) if self.shape is None else self.shape[0].faces
 
     @cached_property
     def distortion(self) -> native.Distortion | None:
-        """Of the shown shape."""
-        if self.shape is None:
+        """Of the shown shape; None where that is no flat one."""
+        if self.shape is None or not self.shape[0].cutout.flat:
             return None
         drawing, positions = self.shape
-        return native.distortion(drawing.cutout.rest, positions, drawing.cutout.triangles)
+        return native.distortion(drawing.cutout.rest[:, :2], positions[:, :2], drawing.faces)
 
     @cached_property
     def worst(self) -> tuple[float, float]:
@@ -89,10 +91,10 @@ class Snapshot:
 class _State(NamedTuple):
     """All that a snapshot depends on. It takes some microseconds, whatever the size of the mesh."""
 
-    changed: changes.Count
-    mesh: int  # its session_uid
+    changed: changes.Count | RigState
+    data: int  # its session_uid
     mode: str
-    groups: list[str]  # all of the object's, of whose going Blender does not tell
+    groups: list[list[str]]  # all of what is pinned, of whose going Blender does not tell
     pinned: set[str]  # those of the pins
     # What is read of the mesh depends on those above alone.
     refusal: str | None
@@ -130,7 +132,7 @@ _followed: set[int] = set()  # the objects that a drag is telling about
 
 
 def of_active(context: bpy.types.Context) -> Snapshot | None:
-    """The active object's snapshot; None if it is no mesh with pins. Changes no data."""
+    """The active object's snapshot; None if it has no pins. Changes no data."""
     obj = context.object
     if obj is None or not pin_list.has_pins(obj):
         return None
@@ -150,12 +152,15 @@ def in_view(context: bpy.types.Context) -> Snapshot | None:
     return of_active(context) if obj is not None and obj.visible_get() else None
 
 
-def follow(drawing: CutoutObject, positions: Array, results: Iterable[PinResult]) -> None:
+def follow(drawing: PosedObject, positions: Array, results: Iterable[PinResult]) -> None:
     """A drag is on: show this of its object until `release`, whatever Blender's updates say."""
     uid = drawing.session_uid
     kept = _kept.get(uid)
     shown = kept.snapshot if kept is not None and uid in _followed else None
-    edges = _edges(drawing.resolve(), drawing) if shown is None else shown.edges
+    if shown is None and isinstance(drawing, CutoutObject):
+        edges = _edges(drawing.resolve(), drawing)
+    else:
+        edges = NO_EDGES if shown is None else shown.edges
     _followed.add(uid)
     snapshot = Snapshot(_places(drawing, results), edges, (drawing, positions))
     _keep(uid, _Kept(drawing.object_name, snapshot, None, None if kept is None else kept.made))
@@ -190,16 +195,19 @@ def _keep(uid: int, kept: _Kept) -> None:
 def _state(obj: bpy.types.Object) -> _State:
     settings = obj.planar
     return _State(
-        changes.count(obj),
+        changes.count(obj) if obj.type == "MESH" else rig_state(obj),
         obj.data.session_uid,
         obj.mode,
-        obj.vertex_groups.keys(),
+        [pinned.vertex_groups.keys() for pinned in pin_list.pinned_objects(obj)],
         pin_list.groups_of(obj),
-        pose_refusal(obj),
+        posing_refusal(obj),
         np.array(obj.matrix_world).tobytes(),
         settings.show_mesh,
         tuple(
-            (pin.group, pin.kind, pin.angle, pin.has_target, tuple(pin.target), tuple(pin.reached))
+            (
+                *(pin.group, None if pin.object is None else pin.object.session_uid, pin.lattice_point),
+                *(pin.kind, pin.angle, pin.has_target, tuple(pin.target), tuple(pin.reached)),
+            )
             for pin in settings.pins
         ),
     )
@@ -209,6 +217,8 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
     """What is shown of an object now. What still holds of what is kept is taken over."""
     if state.refusal is not None:
         return _Kept(obj.name, Snapshot(refusal=state.refusal), state, None)
+    if obj.type == "LATTICE":
+        return _read_lattice(obj, state)
     old = None if before is None else before.made
     holds = before is not None and before.state is not None and state.reads_as(before.state)
     current = old if holds else None  # what has been read is as it is now
@@ -231,7 +241,18 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
     return _Kept(obj.name, snapshot, state, made)
 
 
-def _results(drawing: CutoutObject, holders: Iterable[Holder]) -> Iterator[PinResult]:
+def _read_lattice(obj: bpy.types.Object, state: _State) -> _Kept:
+    """What is shown of what a lattice deforms."""
+    try:
+        drawing = read_posed(obj)
+    except Refusal as refusal:
+        return _Kept(obj.name, Snapshot(refusal=str(refusal)), state, None)
+    holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
+    places = _places(drawing, _results(drawing, holders))
+    return _Kept(obj.name, Snapshot(places, shape=(drawing, drawing.positions)), state, None)
+
+
+def _results(drawing: PosedObject, holders: Iterable[Holder]) -> Iterator[PinResult]:
     for holder in holders:
         pin, place = holder.pin, holder.place(drawing.positions)
         target = place if pin.target is None else pin.target
@@ -248,7 +269,7 @@ def _edges(obj: bpy.types.Object, drawing: CutoutObject) -> Indices:
     return found
 
 
-def _places(drawing: CutoutObject, results: Iterable[PinResult]) -> tuple[PinPlace, ...]:
+def _places(drawing: PosedObject, results: Iterable[PinResult]) -> tuple[PinPlace, ...]:
     pins = []
     for result in results:
         part = np.array([result.part, result.part], np.int32)

@@ -82,7 +82,7 @@ def _shown(context: bpy.types.Context) -> tuple[Snapshot, str] | None:
     if not context.space_data.overlay.show_overlays:
         return None
     seen = snapshot.in_view(context)
-    return None if seen is None or seen.refusal is not None else (seen, obj.planar.show_quality)
+    return None if seen is None or seen.distortion is None else (seen, obj.planar.show_quality)
 
 
 def _draw_colours() -> None:

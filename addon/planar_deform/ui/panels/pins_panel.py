@@ -8,8 +8,9 @@ import math
 import bpy
 import numpy as np
 
+from ...scene.lattice.posed import posing_refusal
 from ...scene.objects import modifiers
-from ...scene.objects.cutout_object import pose_refusal
+from ...scene.pins.pin_list import pinned_object
 from ...scene.view import coarseness, snapshot
 from .tab import PlanarPanel, lines
 
@@ -23,11 +24,20 @@ WIDE = 300.0  # pixels at a UI scale of 1: in a narrower sidebar the names need 
 
 def _fault(context: bpy.types.Context, pin: bpy.types.PropertyGroup, index: int) -> str | None:
     """Why a pin does not hold the drawing, and what to do."""
-    if pin.group not in context.object.vertex_groups:
-        return "The vertex group is gone: choose another one"
     seen = snapshot.of_active(context)
-    if seen is not None and not seen.refusal and seen.pin(index) is None:
+    lost = seen is not None and not seen.refusal and seen.pin(index) is None
+    if pin.lattice_point >= 0:
+        return "The lattice has no such point any more: remove the pin" if lost else None
+    pinned = pinned_object(pin)
+    if pinned is None:
+        return "Its object is gone: choose another one, or remove the pin"
+    if pin.group not in pinned.vertex_groups:
+        return "The vertex group is gone: choose another one"
+    if not lost:
+        return None
+    if pinned == context.object:
         return "The vertex group holds no vertices of faces: assign some in Edit Mode"
+    return f"The lattice deforms no vertices of faces of '{pinned.name}' that are in the group"
     return None
 
 
@@ -48,7 +58,8 @@ class PLANAR_UL_pins(bpy.types.UIList):
         row = layout.row(align=True)
         row.active = item.enabled
         row.prop(item, "select", text="", emboss=False, icon="RADIOBUT_ON" if item.select else "RADIOBUT_OFF")
-        row.prop(item, "name", text="", emboss=False, icon=KIND_ICONS[item.kind])
+        kind = "LATTICE_DATA" if item.lattice_point >= 0 else KIND_ICONS[item.kind]
+        row.prop(item, "name", text="", emboss=False, icon=kind)
         if _fault(context, item, index) is not None:
             row.label(text="", icon="ERROR")
         if context.region.width > WIDE * context.preferences.system.ui_scale:
@@ -65,12 +76,14 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         layout = self.layout
         obj = context.object
         seen = snapshot.of_active(context)
-        reason = pose_refusal(obj) or modifiers.covering(obj) or (seen.refusal if seen is not None else None)
+        reason = (
+            posing_refusal(obj) or modifiers.covering(obj) or (seen.refusal if seen is not None else None)
+        )
         if reason is not None:
             lines(layout, reason, "INFO", context)
-        if obj is None or obj.type != "MESH":
+        if obj is None or obj.type not in {"MESH", "LATTICE"}:
             return
-        if reason is None and coarseness.of(obj):
+        if reason is None and obj.type == "MESH" and coarseness.of(obj):
             lines(
                 layout,
                 "The mesh is too coarse to bend: it needs two rows of faces and more",
@@ -96,8 +109,11 @@ class PLANAR_MT_add_pins(bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.label(text="Ctrl-Click the Mesh in the Pose Tool, or:")
-        layout.operator("planar.add_pins_from_selected", text="Point per Selected Vertex").kind = "POINT"
-        layout.operator("planar.add_pins_from_selected", text="Patch on Selected Vertices").kind = "PATCH"
+        if context.object is not None and context.object.type == "LATTICE":
+            layout.operator("planar.add_pins_from_selected", text="Pin per Selected Lattice Point")
+        else:
+            layout.operator("planar.add_pins_from_selected", text="Point per Selected Vertex").kind = "POINT"
+            layout.operator("planar.add_pins_from_selected", text="Patch on Selected Vertices").kind = "PATCH"
         layout.separator()
         layout.operator("planar.add_pin_from_group", text="Point on Active Vertex Group").kind = "POINT"
         layout.operator("planar.add_pin_from_group", text="Patch on Active Vertex Group").kind = "PATCH"
@@ -113,10 +129,16 @@ def _draw_pin(
     column = layout.column()
     column.use_property_split = True
     column.use_property_decorate = False
-    column.prop(pin, "kind")
-    column.prop_search(pin, "group", obj, "vertex_groups", text="Group")
+    if pin.lattice_point >= 0:
+        column.label(text=f"Holds point {pin.lattice_point} of the lattice")
+    else:
+        column.prop(pin, "kind")
+        if obj.type == "LATTICE":
+            column.prop(pin, "object")
+        column.prop_search(pin, "group", pinned_object(pin) or obj, "vertex_groups", text="Group")
     column.prop(pin, "enabled")
-    column.prop(pin, "weight")
+    if pin.lattice_point < 0:
+        column.prop(pin, "weight")
     fault = _fault(context, pin, index)
     if fault is not None:
         lines(column, fault, "ERROR", context)
@@ -131,7 +153,10 @@ def _draw_pin(
         split.label(text=f"{math.degrees(place.angle):.1f}°")
     gap = float(np.linalg.norm(place.target - place.place))
     if gap > SHOWN_GAP * max(obj.dimensions):
-        lines(layout, f"{gap:.4g} away from its target", "ERROR", context)
+        text = f"{gap:.4g} away from its target"
+        if obj.type == "LATTICE":
+            text += ": a lattice with more points may get there"
+        lines(layout, text, "ERROR", context)
 
 
 CLASSES = (PLANAR_UL_pins, PLANAR_MT_add_pins, PLANAR_PT_pins)

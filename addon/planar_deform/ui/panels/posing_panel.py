@@ -12,6 +12,11 @@ from ...scene.view import snapshot
 from .tab import PlanarPanel, lines
 
 
+def is_pinnable_mesh(obj: bpy.types.Object) -> bool:
+    """Whether an object is a mesh whose faces pins can hold."""
+    return bool(obj.type == "MESH" and not is_outline(obj))
+
+
 class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
     bl_label = "Pose"
     bl_order = 2  # below the list of poses, which is used all the time
@@ -19,7 +24,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.object
-        return obj is not None and obj.type == "MESH" and not is_outline(obj)
+        return obj is not None and (is_pinnable_mesh(obj) or obj.type == "LATTICE")
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -28,16 +33,20 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         obj = context.object
         settings = obj.planar
         column = layout.column()
-        column.prop(settings, "method")
-        column.prop(settings, "pin_weight")
-        column.prop(settings, "show_mesh")
-        row = layout.row(align=True)
-        row.operator("planar.reset_to_rest")
-        row.operator("planar.set_rest_to_current")
+        if obj.type == "LATTICE":
+            column.prop(settings, "pin_weight")
+            layout.operator("planar.reset_to_rest")
+        else:
+            column.prop(settings, "method")
+            column.prop(settings, "pin_weight")
+            column.prop(settings, "show_mesh")
+            row = layout.row(align=True)
+            row.operator("planar.reset_to_rest")
+            row.operator("planar.set_rest_to_current")
         row = layout.row(align=True)
         row.operator("planar.reset_selected_pins")
         row.operator("planar.settle_pose")
-        shifting = modifiers.shifting(obj)
+        shifting = modifiers.shifting(obj) if obj.type == "MESH" else []
         if shifting:
             names = ", ".join(shifting)
             text = f"Pins are shown without {names}: the drawing may be seen elsewhere"
@@ -47,6 +56,10 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
 class PLANAR_PT_stiffness(PlanarPanel, bpy.types.Panel):
     bl_label = "Stiffness"
     bl_parent_id = "PLANAR_PT_pose"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_pinnable_mesh(context.object)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -74,7 +87,7 @@ class PLANAR_PT_quality(PlanarPanel, bpy.types.Panel):
         layout.row().prop(context.object.planar, "show_quality", expand=True)
         seen = snapshot.of_active(context)
         if seen is None or seen.distortion is None:
-            layout.label(text="Measured on a drawing with pins")
+            layout.label(text="Measured on a flat drawing with pins")
             return
         distortion = seen.distortion
         table = layout.grid_flow(row_major=True, columns=3, even_columns=True, align=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...scene.objects.cutout_object import pose_refusal
+from ...scene.lattice.posed import posing_refusal
 from ...scene.pins.pin_list import has_pins
 from ..draw.in_views import InViews
 from .tool_state import pose_tool_is_active
@@ -13,6 +13,7 @@ from .tool_state import pose_tool_is_active
 CLASSES = ()
 
 FIRST = "Ctrl-click the drawing to add a pin, then drag it"
+ON_LATTICE = "Ctrl-click what the lattice deforms, or one of its points, to add a pin, then drag it"
 
 _shown: dict[int, str] = {}  # by a window's address: what its status bar has been drawn with
 
@@ -20,7 +21,8 @@ _shown: dict[int, str] = {}  # by a window's address: what its status bar has be
 def _text(context: bpy.types.Context) -> str:
     if not pose_tool_is_active(context) or has_pins(context.object):
         return ""
-    return pose_refusal(context.object) or FIRST
+    reason = posing_refusal(context.object)
+    return reason or (ON_LATTICE if context.object.type == "LATTICE" else FIRST)
 
 
 def _draw(header: bpy.types.Header, context: bpy.types.Context) -> None:

@@ -35,7 +35,7 @@ class PoseTool(bpy.types.WorkSpaceTool):
     bl_description = (
         "Drag pins; the drawing follows.\n"
         "• Click selects a pin, Shift-click adds to the selection.\n"
-        "• Ctrl-click adds a pin to the active mesh.\n"
+        "• Ctrl-click adds a pin to the active mesh, or to what the active lattice deforms.\n"
         "• G moves, R turns, S spreads, X removes the selected pins.\n"
         "• I keys the pose"
     )
@@ -67,6 +67,9 @@ class PoseTool(bpy.types.WorkSpaceTool):
         context: bpy.types.Context, layout: bpy.types.UILayout, _tool: bpy.types.WorkSpaceTool
     ) -> None:
         obj = context.object
+        if obj is not None and obj.type == "LATTICE":
+            layout.prop(obj.planar, "pin_weight")
+            layout.prop(obj.planar, "show_quality")
         if obj is not None and obj.type == "MESH":
             layout.prop(obj.planar, "method", text="")
             layout.prop(obj.planar, "pin_weight")

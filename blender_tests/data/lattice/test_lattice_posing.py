@@ -1,0 +1,402 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins on what a lattice deforms, and on its points, pose it as they pose a drawing: as Blender shows it."""
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix
+from support import activate, coordinates, evaluated, grid, make_object
+
+from planar_deform.scene.view import snapshot
+
+TURNED = Matrix.LocRotScale((0.3, 1.0, 2.0), Euler((np.pi / 2, 0.0, 0.2)), (0.7, 0.7, 0.7))  # as imported
+
+
+def lattice(counts, size, location, name="Lattice", matrix=None):
+    """A lattice over a box of this size, `size` and `location` in the space of `matrix`."""
+    data = bpy.data.lattices.new(name)
+    data.points_u, data.points_v, data.points_w = counts
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    obj.matrix_world = (matrix or Matrix()) @ Matrix.LocRotScale(location, None, size)
+    return obj
+
+
+def deform(obj, by):
+    modifier = obj.modifiers.new("Lattice", "LATTICE")
+    modifier.object = by
+    return modifier
+
+
+def layered(matrix=TURNED):
+    """Two layers, 2 x 1 and smaller, in a flat lattice with a free cell about them, which is active."""
+    back = make_object(*grid(12, 6), name="Back")
+    front = make_object(*grid(6, 6, 1.0, 1.0, origin=(1.0, 0.1), depth=0.25), name="Front")
+    # Rest coordinates of a new lattice are from -0.5 to 0.5 of its object's axes.
+    cage = lattice((9, 8, 1), (3.6, 2.2, 1.0), (1.0, 0.55, 0.1), matrix=matrix)
+    for obj in (back, front):
+        obj.matrix_world = matrix.copy()
+        deform(obj, cage)
+    activate(cage)
+    return cage, back, front
+
+
+def solid(matrix=TURNED):
+    """A bent sheet with thickness in a lattice of three dimensions."""
+    vertices, faces = grid(10, 5)
+    vertices = np.array(vertices)
+    vertices[:, 2] = 0.3 * np.sin(2.0 * vertices[:, 0])
+    sheet = make_object(vertices, faces, name="Sheet")
+    cage = lattice((6, 5, 4), (3.6, 2.6, 3.0), (1.0, 0.5, 0.0), matrix=matrix)
+    sheet.matrix_world = matrix.copy()
+    deform(sheet, cage)
+    activate(cage)
+    return cage, sheet
+
+
+def world(obj, points):
+    matrix = np.array(obj.matrix_world)
+    return points.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def shown(obj, vertex):
+    """Where Blender shows a vertex, in the world."""
+    return world(obj, evaluated(obj)[[vertex]])[0]
+
+
+def pin_at(obj, vertex, **options):
+    place = world(obj, coordinates(obj.data.vertices)[[vertex]])[0]
+    assert bpy.ops.planar.add_pin(location=place.tolist(), **options) == {"FINISHED"}
+
+
+def points(cage):
+    return coordinates(cage.data.points, "co_deform")
+
+
+def seen():
+    snapshot.forget()
+    return snapshot.of_active(bpy.context)
+
+
+def moved_by(cage, x, y):
+    """World offset of (x, y) along the lattice's own u and v."""
+    matrix = np.array(cage.matrix_world)[:3, :3]
+    axes = matrix / np.linalg.norm(matrix, axis=0)
+    return axes[:, 0] * x + axes[:, 1] * y
+
+
+def test_pins_on_two_objects_are_vertex_groups_there_in_the_lattices_own_list():
+    cage, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 3)
+    assert [pin.object for pin in cage.planar.pins] == [back, front]
+    assert [pin.select for pin in cage.planar.pins] == [False, True]
+    assert [pin.name for pin in cage.planar.pins] == ["Pin", "Pin.001"]
+    assert len(back.vertex_groups) == len(front.vertex_groups) == 1
+    assert not back.planar.pins
+    names = {pin.group for pin in cage.planar.pins}
+    assert len(names) == 2
+    np.testing.assert_allclose(seen().pin(1).place, shown(front, 3), atol=1e-5)
+
+
+@pytest.mark.parametrize("build", [layered, solid])
+def test_what_blender_shows_is_what_was_solved(build):
+    cage, *objects = build()
+    obj = objects[-1]
+    pin_at(objects[0], 0)
+    pin_at(obj, len(obj.data.vertices) - 1)
+    before = shown(obj, len(obj.data.vertices) - 1)
+    held = shown(objects[0], 0)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.15)) == {"FINISHED"}
+    after = shown(obj, len(obj.data.vertices) - 1)
+    np.testing.assert_allclose(after - before, moved_by(cage, 0.2, 0.15), atol=6e-3)
+    np.testing.assert_allclose(shown(objects[0], 0), held, atol=6e-3)
+    marks = seen()
+    np.testing.assert_allclose(marks.pin(1).place, after, atol=1e-5)
+    drawing, positions = marks.shape
+    count = 0
+    for one in objects:
+        rows = slice(count, count + len(one.data.vertices))
+        np.testing.assert_allclose(drawing.to_world(positions)[rows], world(one, evaluated(one)), atol=3e-6)
+        count = rows.stop
+
+
+def test_a_flat_lattice_moves_nothing_out_of_its_plane():
+    cage, _back, front = layered()
+    pin_at(front, 0)
+    pin_at(front, 48)
+    depth = evaluated(front)[:, 2]
+    bpy.ops.planar.drag_pins(offset=(0.3, -0.2))
+    bpy.ops.planar.rotate_pins(angle=0.4)
+    np.testing.assert_allclose(evaluated(front)[:, 2], depth, atol=4e-7)
+    np.testing.assert_array_equal(points(cage)[:, 2], coordinates(cage.data.points)[:, 2])
+
+
+def test_a_point_of_the_lattice_is_dragged_in_turn_with_a_pin():
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    assert bpy.ops.planar.add_pin(lattice_point=40) == {"FINISHED"}
+    assert cage.planar.pins[1].lattice_point == 40
+    start = world(cage, points(cage)[[40]])[0]
+    np.testing.assert_allclose(seen().pin(1).place, start, atol=1e-6)
+    bpy.ops.planar.drag_pins(offset=(0.1, 0.2))
+    np.testing.assert_allclose(
+        world(cage, points(cage)[[40]])[0] - start, moved_by(cage, 0.1, 0.2), atol=6e-3
+    )
+    held = world(cage, points(cage)[[40]])[0]
+    assert bpy.ops.planar.drag_pins(pin=0, offset=(-0.1, 0.0)) == {"FINISHED"}
+    np.testing.assert_allclose(world(cage, points(cage)[[40]])[0], held, atol=6e-3)
+    assert bpy.ops.planar.add_pin(lattice_point=40) == {"FINISHED"}  # it has one
+    assert len(cage.planar.pins) == 2
+
+
+def test_points_selected_in_edit_mode_are_pinned():
+    cage, *_ = layered()
+    for index, point in enumerate(cage.data.points):
+        point.select = index in {3, 17}
+    assert bpy.ops.planar.add_pins_from_selected() == {"FINISHED"}
+    assert [pin.lattice_point for pin in cage.planar.pins] == [3, 17]
+    assert all(pin.select for pin in cage.planar.pins)
+
+
+def test_a_patch_is_turned_and_its_angle_is_kept():
+    cage, back, _ = layered()
+    group = back.vertex_groups.new(name="Hand")
+    group.add([vertex for vertex in range(91) if vertex % 13 > 7], 1.0, "REPLACE")
+    assert bpy.ops.planar.add_pin_from_group(object="Back", group="Hand", kind="PATCH") == {"FINISHED"}
+    pin_at(back, 0)
+    bpy.ops.planar.select_pins(action="SELECT", pin=0)
+    before = world(back, evaluated(back))
+    bpy.ops.planar.rotate_pins(angle=0.5)
+    after = world(back, evaluated(back))
+    arm, turned = before[12] - before[8], after[12] - after[8]
+    cosine = arm @ turned / np.linalg.norm(arm) / np.linalg.norm(turned)
+    assert np.arccos(cosine) == pytest.approx(0.5, abs=0.03)
+    assert cage.planar.pins[0].angle == pytest.approx(0.5)
+    assert seen().pin(0).angle == pytest.approx(0.5, abs=5e-3)
+    bpy.ops.planar.reset_selected_pins()
+    assert cage.planar.pins[0].angle == pytest.approx(0.0)
+    np.testing.assert_allclose(world(back, evaluated(back)), before, atol=6e-3)
+
+
+def test_spreading_and_switching_off():
+    cage, back, _ = layered()
+    for vertex in (0, 12, 78, 90):
+        pin_at(back, vertex, extend=True)
+    centre = world(back, evaluated(back)[[0, 12, 78, 90]])
+    bpy.ops.planar.spread_pins(factor=0.8)
+    after = world(back, evaluated(back)[[0, 12, 78, 90]])
+    middle = centre.mean(axis=0)
+    np.testing.assert_allclose(after, middle + 0.8 * (centre - middle), atol=2e-2)
+    bpy.ops.planar.disable_pins()
+    assert not any(pin.enabled for pin in cage.planar.pins)
+    bpy.ops.planar.enable_pins()
+    assert bpy.ops.planar.settle_pose() == {"FINISHED"}
+
+
+def test_reset_to_rest_is_rest_to_the_bit():
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    before = points(cage)
+    bpy.ops.planar.drag_pins(offset=(0.4, 0.0))
+    assert not np.array_equal(points(cage), before)
+    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
+    np.testing.assert_array_equal(points(cage), coordinates(cage.data.points))
+
+
+def test_removing_a_pin_removes_its_group_from_its_object():
+    cage, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 3)
+    assert bpy.ops.planar.remove_pins() == {"FINISHED"}
+    assert len(cage.planar.pins) == 1
+    assert (len(back.vertex_groups), len(front.vertex_groups)) == (1, 0)
+
+
+def test_pins_follow_renamed_groups_and_renamed_objects():
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    back.vertex_groups[0].name = "Nose"
+    back.name = "Face"
+    bpy.context.view_layer.update()
+    bpy.ops.planar.drag_pins(offset=(0.1, 0.0))
+    assert (cage.planar.pins[0].group, cage.planar.pins[0].name) == ("Nose", "Nose")
+
+
+def test_a_lattice_and_its_meshes_that_are_duplicated_are_posed_apart_from_them():
+    cage, back, front = layered()
+    pin_at(back, 0)
+    for obj in (back, front):
+        obj.select_set(True)
+    assert bpy.ops.object.duplicate() == {"FINISHED"}
+    twin = bpy.context.object
+    assert twin != cage
+    pinned = twin.planar.pins[0].object
+    assert pinned not in {back, front}
+    before = points(cage)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.0)) == {"FINISHED"}
+    np.testing.assert_array_equal(points(cage), before)
+    assert not np.array_equal(points(twin), before)
+
+
+def test_in_space_pins_are_moved_across_the_view_at_their_own_depth():
+    cage, sheet = solid()
+    pin_at(sheet, 0)
+    last = len(sheet.data.vertices) - 1
+    pin_at(sheet, last)
+    facing = np.array([0.3, -0.8, 0.52])
+    facing /= np.linalg.norm(facing)
+    before = shown(sheet, last)
+    assert bpy.ops.planar.drag_pins(offset=(0.15, 0.1), facing=facing.tolist()) == {"FINISHED"}
+    moved = shown(sheet, last) - before
+    assert abs(moved @ facing) < 5e-3
+    assert np.linalg.norm(moved) == pytest.approx(np.hypot(0.15, 0.1), abs=1e-2)
+    assert cage.planar.pins[1].has_target
+
+
+def test_what_can_not_be_posed_says_why():
+    cage = lattice((3, 3, 1), (1, 1, 1), (0, 0, 0))
+    activate(cage)
+    with pytest.raises(RuntimeError, match="deforms no mesh that is shown"):
+        bpy.ops.planar.add_pin(location=(0, 0, 0))
+    back = make_object(*grid(4, 4), name="Back")
+    deform(back, cage)
+    activate(cage)
+    with pytest.raises(RuntimeError, match="No mesh there"):
+        bpy.ops.planar.add_pin(location=(50, 0, 0))
+    with pytest.raises(RuntimeError, match="no point 9"):
+        bpy.ops.planar.add_pin(lattice_point=9)
+    activate(back)
+    with pytest.raises(RuntimeError, match="no lattice"):
+        bpy.ops.planar.add_pin(lattice_point=1)
+
+
+def test_equal_drags_give_equal_bits():
+    def posed():
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        cage, back, front = layered()
+        pin_at(back, 0)
+        pin_at(front, 20)
+        bpy.ops.planar.drag_pins(offset=(0.3, 0.2))
+        bpy.ops.planar.rotate_pins(angle=0.3, pivot=(0, 0, 0))
+        return points(cage)
+
+    np.testing.assert_array_equal(posed(), posed())
+
+
+def test_saved_and_loaded_it_is_posed_on(tmp_path):
+    _, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 20)
+    bpy.ops.planar.drag_pins(offset=(0.3, 0.2))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
+    cage = bpy.data.objects["Lattice"]
+    assert [pin.object.name for pin in cage.planar.pins] == ["Back", "Front"]
+    held = shown(bpy.data.objects["Front"], 20)
+    np.testing.assert_allclose(seen().pin(1).place, held, atol=1e-5)
+    assert bpy.ops.planar.drag_pins(pin=0, offset=(0.1, 0.0)) == {"FINISHED"}
+    np.testing.assert_allclose(shown(bpy.data.objects["Front"], 20), held, atol=1e-2)
+
+
+@pytest.mark.parametrize("name", ["paint_stiffness", "refine_mesh", "set_rest_to_current"])
+def test_what_only_drawings_have_is_refused_to_a_lattice_with_the_reason(name):
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    with pytest.raises(RuntimeError, match="is a lattice: select one of the meshes"):
+        getattr(bpy.ops.planar, name)()
+    activate(cage)
+
+
+def test_a_linked_lattice_or_one_in_edit_mode_is_refused():
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Object Mode"):
+        bpy.ops.planar.add_pin(lattice_point=1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    twin = cage.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    with pytest.raises(RuntimeError, match="shared"):
+        bpy.ops.planar.add_pin(lattice_point=1)
+
+
+def test_a_pin_whose_object_is_no_longer_deformed_holds_nothing_and_the_others_go_on():
+    _, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 3)
+    front.modifiers.clear()
+    bpy.context.view_layer.update()
+    marks = seen()
+    assert marks.pin(0) is not None
+    assert marks.pin(1) is None
+    assert bpy.ops.planar.drag_pins(pin=0, offset=(0.1, 0.0)) == {"FINISHED"}
+    bpy.data.objects.remove(front)
+    assert seen().pin(0) is not None
+    assert bpy.ops.planar.drag_pins(pin=0, offset=(0.1, 0.0)) == {"FINISHED"}
+
+
+def test_the_radius_of_a_patch_stays_on_its_object():
+    cage, back, front = layered()
+    pin_at(front, 24)
+    assert bpy.ops.planar.set_pin_radius(radius=0.3) == {"FINISHED"}
+    assert cage.planar.pins[0].kind == "PATCH"
+    held = [vertex.index for vertex in front.data.vertices if vertex.groups]
+    assert 4 < len(held) < 49
+    assert not back.vertex_groups
+
+
+def test_what_is_shown_follows_what_is_done_to_the_meshes_and_the_lattice():
+    cage, back, _ = layered()
+    pin_at(back, 12)
+
+    def check():
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(snapshot.of_active(bpy.context).pin(0).place, shown(back, 12), atol=1e-5)
+
+    check()
+    back.location.x += 0.3
+    check()
+    cage.location.z += 0.2
+    check()
+    cage.data.points[0].co_deform.x += 0.4
+    cage.data.update_tag()
+    check()
+    back.modifiers[0].strength = 0.5
+    check()
+    back.data.vertices[12].co.y += 0.1
+    back.data.update()
+    check()
+    cage.data.interpolation_type_u = "KEY_LINEAR"
+    check()
+
+
+def test_the_active_shape_key_of_a_lattice_is_posed():
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    pin_at(back, 12)
+    cage.shape_key_add(name="Basis")
+    cage.shape_key_add(name="Bent", from_mix=False).value = 0.8
+    cage.active_shape_key_index = 1
+    bpy.context.view_layer.update()
+    held, before = shown(back, 0), shown(back, 12)
+    basis = coordinates(cage.data.shape_keys.key_blocks[0].data)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.1)) == {"FINISHED"}
+    np.testing.assert_allclose(shown(back, 12) - before, moved_by(cage, 0.2, 0.1), atol=6e-3)
+    np.testing.assert_allclose(shown(back, 0), held, atol=6e-3)
+    np.testing.assert_array_equal(coordinates(cage.data.shape_keys.key_blocks[0].data), basis)
+    np.testing.assert_allclose(seen().pin(1).place, shown(back, 12), atol=1e-5)
+    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
+    np.testing.assert_array_equal(coordinates(cage.data.shape_keys.key_blocks[1].data), basis)
+
+
+def test_with_the_basis_active_a_pose_key_is_made():
+    cage, back, _ = layered()
+    pin_at(back, 12)
+    pin_at(back, 0)
+    cage.shape_key_add(name="Basis")
+    bpy.context.view_layer.update()
+    before = shown(back, 0)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.1)) == {"FINISHED"}
+    assert [key.name for key in cage.data.shape_keys.key_blocks] == ["Basis", "Pose"]
+    np.testing.assert_allclose(shown(back, 0) - before, moved_by(cage, 0.2, 0.1), atol=6e-3)

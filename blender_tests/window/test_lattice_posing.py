@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Posing a lattice by hand: pins on several objects and on points of the lattice, drags, Escape, undo."""
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import bpy
+import numpy as np
+from cutouts import activate, active, imported, pin_data, selected, sheet
+from harness import Window, addon
+from mathutils import Euler
+
+LEFT, RIGHT, OF_FRONT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0), (0.25, -0.3, 0.5)
+
+
+def layered(counts: Sequence[int] = (10, 8, 1)) -> bpy.types.Object:
+    """A sheet and an imported one before it in a flat lattice that stands upright; the lattice is active."""
+    back, front = sheet("Back"), imported("Front", scale=0.5)
+    front.scale = (0.2, 0.2, 0.2)
+    front.location = (0.25, -0.3, 0.5)
+    data = bpy.data.lattices.new("Cage")
+    data.points_u, data.points_v, data.points_w = counts
+    cage = bpy.data.objects.new("Cage", data)
+    cage.rotation_euler = Euler((np.pi / 2, 0.0, 0.0))
+    cage.scale = (6.0, 4.0, 3.0)
+    bpy.context.collection.objects.link(cage)
+    for obj in (back, front):
+        obj.modifiers.new("Lattice", "LATTICE").object = cage
+    activate(cage)
+    return cage
+
+
+def ready(window: Window, counts: Sequence[int] = (10, 8, 1)) -> Iterator[None]:
+    layered(counts)
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.look("FRONT")
+    yield from window.use_tool()
+
+
+def points() -> np.ndarray:
+    """The lattice's own points, to the bit."""
+    found = np.empty(len(active().data.points) * 3, np.float32)
+    active().data.points.foreach_get("co_deform", found)
+    return found.reshape(-1, 3)
+
+
+def place(index: int) -> np.ndarray:
+    """Where the Pose tool shows a pin."""
+    mark = addon("scene.view.snapshot").of_active(bpy.context).pin(index)
+    assert mark is not None, f"pin {index} is nowhere"
+    return mark.place
+
+
+def grid_point(index: int) -> np.ndarray:
+    return np.array(active().matrix_world @ active().data.points[index].co_deform)
+
+
+def beside(place: np.ndarray, dx: float, dz: float) -> np.ndarray:
+    return place + np.array([dx, 0.0, dz])
+
+
+def test_pins_on_two_objects_are_clicked_and_dragged(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    for spot in (LEFT, OF_FRONT, RIGHT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    assert active().name == "Cage", window.reports()
+    assert [pin.object.name for pin in active().planar.pins] == ["Back", "Front", "Back"], window.reports()
+    before, start = points(), place(2)
+    yield from window.drag(window.pixel(start), window.pixel(beside(start, 0.3, 0.8)))
+    assert selected() == [2]
+    assert np.allclose(place(2), beside(start, 0.3, 0.8), atol=0.05), place(2)
+    assert np.allclose(place(0), LEFT, atol=0.05)
+    assert not np.array_equal(points(), before)
+    assert np.array_equal(points()[:, 2], before[:, 2]), "the depth is kept to the bit"
+    window.picture("lattice_posing")
+    yield from window.undo()
+    assert np.array_equal(points(), before), "one drag is one step"
+    yield from window.redo()
+    assert not np.array_equal(points(), before)
+    yield from window.drag(window.pixel(place(1)), window.pixel(beside(place(1), 0.0, 0.3)))
+    assert np.allclose(place(0), LEFT, atol=0.05)
+
+
+def test_escape_restores_every_bit(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    for spot in (LEFT, RIGHT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    yield from window.drag(window.pixel(RIGHT), window.pixel((1.6, 0.0, 0.5)))
+    before, pins = points(), pin_data()
+    for way_out in ("ESC", "RIGHTMOUSE"):
+        yield from window.hover(window.pixel(place(0)))
+        yield from window.press()
+        yield from window.move(window.pixel((-1.0, 0.0, 0.9)), steps=6)
+        yield from window.wait(0.2)
+        assert not np.array_equal(points(), before)
+        yield from window.key(way_out)
+        yield from window.release()
+        assert np.array_equal(points(), before)
+        assert pin_data() == pins
+
+
+def test_a_point_of_the_lattice_in_turn_with_a_pin(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    yield from window.click(window.pixel(LEFT), ctrl=True)
+    corner = grid_point(79)
+    yield from window.click(window.pixel(corner), ctrl=True)
+    assert [pin.lattice_point for pin in active().planar.pins] == [-1, 79], window.reports()
+    yield from window.drag(window.pixel(corner), window.pixel(beside(corner, 0.4, 0.3)))
+    assert np.allclose(grid_point(79), beside(corner, 0.4, 0.3), atol=0.05), grid_point(79)
+    held = grid_point(79)
+    yield from window.drag(window.pixel(place(0)), window.pixel(beside(place(0), -0.3, 0.4)))
+    assert np.allclose(grid_point(79), held, atol=0.05)
+    yield from window.key("X")
+    assert [pin.lattice_point for pin in active().planar.pins] == [79]
+
+
+def test_keys_typed_numbers_and_the_redo_panel(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    for spot in (LEFT, RIGHT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    start = place(1)
+    yield from window.hover(window.pixel((0.5, 0.0, 0.0)))
+    yield from window.key("G")
+    yield from window.key("Z")
+    yield from window.type("0.5")
+    yield from window.confirm()
+    assert np.allclose(place(1), beside(start, 0.0, 0.5), atol=0.03), place(1)
+    with window.context():
+        assert bpy.ops.ed.undo_redo.poll()
+        typed = bpy.context.window_manager.operators[-1]
+        typed.offset = (0.0, -0.5)
+        bpy.ops.ed.undo_redo()
+    yield from window.wait(0.2)
+    assert np.allclose(place(1), beside(start, 0.0, -0.5), atol=0.03), place(1)
+    yield from window.key("A")
+    assert selected() == [0, 1]
+    yield from window.key("R")
+    yield from window.type("30")
+    yield from window.confirm()
+    turned = place(1) - place(0)
+    assert np.degrees(np.arctan2(turned[2], turned[0])) > 10.0
+    yield from window.key("B")
+    yield from window.hover(window.pixel(beside(place(1), -0.3, 0.3)))
+    yield from window.press(shift=True)
+    yield from window.move(window.pixel(beside(place(1), 0.3, -0.3)), steps=4, shift=True)
+    yield from window.release(shift=True)
+    assert selected() == [0]
+
+
+def test_in_space_a_pin_moves_across_the_view_at_its_own_depth(window: Window) -> Iterator[None]:
+    yield from ready(window, (7, 6, 4))
+    window.view.view_perspective = "PERSP"
+    window.view.view_rotation = Euler((1.2, 0.0, 0.4)).to_quaternion()
+    yield from window.wait(0.2)
+    for spot in (LEFT, RIGHT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    assert len(active().planar.pins) == 2, window.reports()
+    start, facing = place(1), np.array(window.view.view_matrix.row[2][:3])
+    end = (window.pixel(start)[0] + 40, window.pixel(start)[1] + 60)
+    yield from window.drag(window.pixel(start), end)
+    assert np.abs(np.subtract(window.pixel(place(1)), end)).max() <= 4
+    assert abs((place(1) - start) @ facing) < 0.03, "its depth is its own"
+
+
+def test_saved_and_loaded(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    for spot in (LEFT, OF_FRONT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    start = place(1)
+    yield from window.drag(window.pixel(start), window.pixel(beside(start, 0.0, 0.3)))
+    held, file = place(1), str(Path(tempfile.mkdtemp()) / "cage.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.open_mainfile(filepath=file)
+    yield from window.wait(0.3)
+    yield from window.look("FRONT")
+    yield from window.use_tool()
+    assert np.allclose(place(1), held, atol=1e-4)
+    yield from window.drag(window.pixel(place(0)), window.pixel(beside(place(0), -0.2, 0.2)))
+    assert np.allclose(place(1), held, atol=0.05)
