@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from support import PLANES, coordinates, evaluated, grid, make_object
+from support import PLANES, activate, coordinates, evaluated, grid, make_object
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -35,6 +35,21 @@ def test_script_of_the_posing_page():
     exec(f"import bpy\n{reset}", {})
     assert np.array_equal(coordinates(obj.data.vertices), rest)
     assert bpy.context.object == obj
+
+
+def test_script_of_the_lattices_page():
+    obj = standing_sheet()
+    data = bpy.data.lattices.new("Cage")
+    data.points_u, data.points_v, data.points_w = 5, 3, 5
+    cage = bpy.data.objects.new("Cage", data)
+    bpy.context.scene.collection.objects.link(cage)
+    cage.location, cage.scale = (0.0, 0.0, 0.5), (2.0, 1.0, 2.0)
+    obj.modifiers.new("Lattice", "LATTICE").object = cage
+    activate(cage)
+    corner = coordinates(data.points, "co_deform")[0]
+    exec(script_of("lattices.md"), {})
+    assert np.allclose(evaluated(obj)[80], (0.8, 0.0, 1.1), atol=0.02)
+    assert np.allclose(coordinates(data.points, "co_deform")[0], corner, atol=0.02)
 
 
 def test_script_of_the_poses_page():

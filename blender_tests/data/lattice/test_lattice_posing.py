@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Euler, Matrix
-from support import activate, coordinates, evaluated, grid, make_object
+from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
 
 from planar_deform.scene.view import snapshot
 
@@ -400,3 +400,48 @@ def test_with_the_basis_active_a_pose_key_is_made():
     assert bpy.ops.planar.drag_pins(offset=(0.2, 0.1)) == {"FINISHED"}
     assert [key.name for key in cage.data.shape_keys.key_blocks] == ["Basis", "Pose"]
     np.testing.assert_allclose(shown(back, 0) - before, moved_by(cage, 0.2, 0.1), atol=6e-3)
+
+
+@pytest.mark.parametrize("transform", TRANSFORMS)
+@pytest.mark.parametrize("build", [layered, solid])
+def test_any_transform(build, transform):
+    cage, *objects = build(TRANSFORMS[transform])
+    obj = objects[-1]
+    last = len(obj.data.vertices) - 1
+    pin_at(objects[0], 0)
+    pin_at(obj, last)
+    size = max(np.ptp(world(cage, points(cage)), axis=0))
+    before, held = shown(obj, last), shown(objects[0], 0)
+    assert bpy.ops.planar.drag_pins(offset=(0.05 * size, -0.04 * size)) == {"FINISHED"}
+    moved = shown(obj, last) - before
+    assert np.linalg.norm(moved) == pytest.approx(np.hypot(0.05, 0.04) * size, abs=5e-3 * size)
+    np.testing.assert_allclose(shown(objects[0], 0), held, atol=5e-3 * size)
+    marks = seen()
+    np.testing.assert_allclose(marks.pin(1).place, shown(obj, last), atol=2e-5 * size)
+
+
+def test_a_mesh_that_a_flat_lattice_sees_edge_on():
+    cage, back, _ = layered(Matrix())
+    back.rotation_euler.x = np.pi / 2
+    bpy.context.view_layer.update()
+    pin_at(back, 0)
+    pin_at(back, 12)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.1)) == {"FINISHED"}
+    bpy.data.objects.remove(bpy.data.objects["Front"])
+    activate(cage)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.1)) == {"FINISHED"}
+    assert np.isfinite(points(cage)).all()
+
+
+def test_a_flat_lattice_bends_a_solid_thing_without_moving_it_in_depth():
+    cage, sheet = solid(Matrix())
+    cage.data.points_w = 1
+    bpy.context.view_layer.update()
+    last = len(sheet.data.vertices) - 1
+    pin_at(sheet, 0)
+    pin_at(sheet, last)
+    depth, before = evaluated(sheet)[:, 2], shown(sheet, last)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.3)) == {"FINISHED"}
+    np.testing.assert_allclose(evaluated(sheet)[:, 2], depth, atol=4e-7)
+    np.testing.assert_allclose(shown(sheet, last) - before, [0.2, 0.3, 0.0], atol=1e-2)
+    assert seen().distortion.flipped == 0
