@@ -445,3 +445,31 @@ def test_a_flat_lattice_bends_a_solid_thing_without_moving_it_in_depth():
     np.testing.assert_allclose(evaluated(sheet)[:, 2], depth, atol=4e-7)
     np.testing.assert_allclose(shown(sheet, last) - before, [0.2, 0.3, 0.0], atol=1e-2)
     assert seen().distortion.flipped == 0
+
+
+def test_layers_that_are_joined_keep_their_pins():
+    cage, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 48)
+    bpy.ops.planar.drag_pins(offset=(0.1, 0.2))
+    placed = [seen().pin(key).place for key in (0, 1)]
+    activate(back)
+    front.select_set(True)
+    assert bpy.ops.object.join() == {"FINISHED"}
+    activate(cage)
+    marks = seen()
+    for key in (0, 1):
+        np.testing.assert_allclose(marks.pin(key).place, placed[key], atol=1e-5)
+    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.1, 0.0)) == {"FINISHED"}
+    assert [pin.object for pin in cage.planar.pins] == [back, back]
+
+
+def test_an_object_that_is_deleted_is_let_go_by_its_pins():
+    cage, back, front = layered()
+    pin_at(front, 48)
+    pin_at(back, 0)
+    activate(front)
+    assert bpy.ops.object.delete() == {"FINISHED"}
+    activate(cage)
+    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.1, 0.0)) == {"FINISHED"}
+    assert [pin.object for pin in cage.planar.pins] == [None, back]

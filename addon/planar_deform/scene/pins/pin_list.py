@@ -57,6 +57,8 @@ def sync(obj: bpy.types.Object) -> None:
     missing group.
     """
     settings = obj.planar
+    if obj.type == "LATTICE":
+        _find_lost(obj)
     for pinned in pinned_objects(obj):
         groups = pinned.vertex_groups
         pins = [pin for pin in settings.pins if pinned_object(pin) == pinned]
@@ -71,6 +73,29 @@ def sync(obj: bpy.types.Object) -> None:
                 pin.group_count = len(groups)
         if pinned == obj:
             _sync_stiffness(obj, followed)
+
+
+def _find_lost(lattice: bpy.types.Object) -> None:
+    """Pins whose object has been joined to another one that the lattice deforms go on there, by their group.
+
+    What has been deleted is let go: Blender keeps an object as long as anything points to it.
+    """
+    for pin in lattice.planar.pins:
+        if pin.lattice_point >= 0 or (pin.object is not None and pin.object.users_scene):
+            continue
+        found = [
+            obj
+            for obj in bpy.data.objects
+            if obj.type == "MESH"
+            and pin.group in obj.vertex_groups
+            and obj.users_scene
+            and any(mod.type == "LATTICE" and mod.object == lattice for mod in obj.modifiers)
+        ]
+        if len(found) == 1 or pin.object is not None:
+            held = pin.has_target, pin.angle
+            pin.object = found[0] if len(found) == 1 else None  # which lets go of its target
+            pin.has_target, pin.angle = held
+            pin.group_count = 0
 
 
 @dataclass
