@@ -108,13 +108,14 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
     try:
         refuse_hidden(context)
         drawing = begin_posing(context)
-        if isinstance(drawing, PosedLattice):
+        point = drawing.pick(*ray(context.region, context.region_data, mouse))
+        # Seen in space, points of a lattice are everywhere before and behind what it deforms.
+        if isinstance(drawing, PosedLattice) and (drawing.flat or point is None):
             places = drawing.lattice_points
             number = nearest_within(context.region, context.region_data, places, mouse, ON_LATTICE_POINT)
             if number is not None:
                 bpy.ops.planar.add_pin("EXEC_DEFAULT", True, lattice_point=number)
                 return True
-        point = drawing.pick(*ray(context.region, context.region_data, mouse))
         if point is None:
             raise Refusal(_missed(drawing))
     except Refusal as refusal:
