@@ -15,9 +15,9 @@ TURNED = Matrix.LocRotScale((0.3, 1.0, 2.0), Euler((np.pi / 2, 0.0, 0.2)), (0.7,
 def lattice(counts, size, location, name="Lattice", matrix=None):
     """A lattice over a box of this size, `size` and `location` in the space of `matrix`."""
     data = bpy.data.lattices.new(name)
-    data.points_u, data.points_v, data.points_w = counts
     obj = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(obj)
+    data.points_u, data.points_v, data.points_w = counts  # spaced by 1 where it has no object yet
     obj.matrix_world = (matrix or Matrix()) @ Matrix.LocRotScale(location, None, size)
     return obj
 
