@@ -178,3 +178,43 @@ def test_saved_and_loaded(window: Window) -> Iterator[None]:
     assert np.allclose(place(1), held, atol=1e-4)
     yield from window.drag(window.pixel(place(0)), window.pixel(beside(place(0), -0.2, 0.2)))
     assert np.allclose(place(1), held, atol=0.05)
+
+
+def test_the_sidebar_of_a_lattice_and_its_pins(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    yield from window.sidebar()
+    window.picture("lattice_hint")
+    yield from window.click(window.pixel(LEFT), ctrl=True)
+    yield from window.click(window.pixel(grid_point(67)), ctrl=True)
+    active().planar.pins[0].enabled = False
+    active().planar.show_quality = "AREA"
+    yield from window.wait(0.3)
+    window.picture("lattice_panel")
+    yield from window.push("planar.reset_to_rest")
+    yield from window.click(window.pixel(LEFT))
+    yield from window.key("H", alt=True)
+    assert active().planar.pins[0].enabled, window.reports()
+    yield from window.click(window.pixel(OF_FRONT))
+    assert active().name == "Cage", "a click on what the lattice deforms does not leave the lattice"
+    assert selected() == []
+    yield from window.click(window.pixel(LEFT), "RIGHTMOUSE")
+    yield from window.wait(0.3)
+    window.picture("lattice_menu")
+    yield from window.key("ESC")
+    assert "Traceback" not in window.reports()
+
+
+def test_a_patch_of_one_object_by_its_ring(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    yield from window.click(window.pixel(OF_FRONT), ctrl=True)
+    with window.context():
+        bpy.ops.planar.set_pin_radius(radius=0.3)
+    yield from window.wait(0.2)
+    assert active().planar.pins[0].kind == "PATCH"
+    assert not bpy.data.objects["Back"].vertex_groups
+    yield from window.click(window.pixel(LEFT), ctrl=True)
+    yield from window.click(window.pixel(place(0)))
+    x, y = window.pixel(place(0))
+    yield from window.drag((x + 36, y), (x, y + 36))  # the ring, a quarter of a turn
+    assert 50 < np.degrees(active().planar.pins[0].angle) < 120
+    window.picture("lattice_ring")
