@@ -1,12 +1,23 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Builds planar_native's wheel for a virtual environment's Python and installs it there; does nothing when the
-# sources have not changed. The wheel is built once per distribution and Python, whichever environments ask.
-# usage: tools/module.sh VENV
+# sources have not changed. The wheel is built once per distribution and Python, whichever environments ask. A WHEEL
+# that is given is installed instead.
+# usage: tools/module.sh VENV [WHEEL]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 venv=$(realpath "$1")
 PATH=/usr/bin:/bin:$PATH # the distribution's cmake and compiler, before a user's own
+
+install() { # install STAMP WHEEL
+    [[ ! -f $venv/.module || $(<"$venv/.module") != "$1" ]] || return 0
+    "$venv/bin/python" -m pip install -qq --disable-pip-version-check --no-deps --force-reinstall "$2"
+    echo "$1" >"$venv/.module"
+}
+if [[ -n ${2:-} ]]; then
+    install "$(sha256sum "$2")" "$2"
+    exit
+fi
 
 stamp=$(find CMakeLists.txt CMakePresets.json pyproject.toml native -type f ! -name '*.pyc' -print0 |
     sort -z | xargs -0 sha256sum | sha256sum)
@@ -24,7 +35,4 @@ if [[ ! -f $wheels/.stamp || $(<"$wheels/.stamp") != "$stamp" ]]; then
         --config-settings=build-dir="build/module-$tag" --wheel-dir "$wheels" .
     echo "$stamp" >"$wheels/.stamp"
 fi
-if [[ ! -f $venv/.module || $(<"$venv/.module") != "$stamp" ]]; then
-    "$venv/bin/python" -m pip install -qq --disable-pip-version-check --no-deps --force-reinstall "$wheels"/*.whl
-    echo "$stamp" >"$venv/.module"
-fi
+install "$stamp" "$wheels"/*.whl

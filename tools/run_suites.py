@@ -10,7 +10,7 @@ usage: run_suites.py test|matrix|landing|nightly
 test      the suites of this machine
 matrix    the Blender suites in every supported Blender
 landing   both and lint, each suite once; native builds beside the release as far as they differ from it
-nightly   the same, all of it whole, and every file of window tests in a Blender of its own
+nightly   the same, all of it whole: every window test in the newest Blender too, every file in a Blender of its own
 """
 
 import concurrent.futures
@@ -84,7 +84,11 @@ def blender_here() -> bool:
 def matrix(*, whole: bool, tested: bool) -> list[Suite]:
     """The Blender suites, without those that on_this_machine() has when it is `tested`."""
     wheels, rooms = list(LONG_TERM if tested and not whole else BPY_VERSIONS), ["trixie", NEWEST]
-    screens = [Suite(f"window-{room}", windows("--room", room, whole=whole)) for room in rooms]
+    core = ["--core"] if tested and not whole else []
+    screens = [
+        Suite("window-trixie", windows("--room", "trixie", whole=whole)),
+        Suite(f"window-{NEWEST}", windows("--room", NEWEST, *core, whole=whole)),
+    ]
     if tested:
         wheels.remove(default_bpy())
     if tested and not blender_here():

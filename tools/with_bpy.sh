@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Runs a Python command in an environment with one version of the bpy wheel, the module and pytest: on this machine,
-# or in the Debian room that has the Python which that wheel needs.
+# or in the Debian room that has the Python which that wheel needs. There the module is the extension's, which has one
+# for each Python: what is shipped is tested, and nothing compiled twice.
 # usage: tools/with_bpy.sh BPY_VERSION ARGUMENTS_OF_PYTHON...
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,10 +15,12 @@ case $version in
     *) python=3.13 room=trixie ;;
 esac
 if [[ ! $(/usr/bin/python3 --version) == "Python $python".* ]]; then
-    exec tools/room.sh $room tools/with_bpy.sh "$version" "$@"
+    make --silent extension
+    exec tools/room.sh $room env EXTENSION_WHEEL="$(echo build/extension/wheel/repaired/*.whl)" \
+        tools/with_bpy.sh "$version" "$@"
 fi
 tools/apt.sh "${build_packages[@]}" "${bpy_packages[@]}"
 venv=build/bpy/$version
 tools/venv.sh "$venv" "bpy-$version.txt" test.txt
-tools/module.sh "$venv"
+tools/module.sh "$venv" ${EXTENSION_WHEEL:+"$EXTENSION_WHEEL"}
 "$venv/bin/python" "$@"

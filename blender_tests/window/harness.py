@@ -260,7 +260,9 @@ def set_preferences() -> None:
     preferences.view.smooth_view = 0
     preferences.use_preferences_save = False
     preferences.edit.keyframe_new_interpolation_type = "LINEAR"  # a frame tells its share of the way
-    preferences.system.viewport_aa = "OFF"  # most of a redraw's time without a graphics card
+    # Most of a redraw's time without a graphics card.
+    preferences.system.viewport_aa = "OFF"
+    preferences.system.use_overlay_smooth_wire = False
 
 
 def load(path: Path) -> list[Test]:

@@ -8,7 +8,9 @@ namespace planar {
 
 namespace {
 
-constexpr double least_area = 1e-5;       // of the longest edge squared
+// Of the longest edge squared. It bounds the condition of the matrix at the present shape, where any triangle
+// may be thin by now; which are flat at rest mesh/triangle_shape.h says.
+constexpr double least_area = 1e-5;
 constexpr double brace_stiffness = 1e-3;  // of a triangle in its place
 constexpr double anchor = 1e-2;           // of a flat triangle's springs
 

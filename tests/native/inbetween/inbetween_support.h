@@ -13,51 +13,18 @@ namespace planar::testing {
 constexpr double degrees = std::numbers::pi / 180.0;
 
 /// A bar of length 1 and width `width`, lying along x, of `columns`×(2 rows of cells).
-inline Shape bar(int columns, double width = 0.08) {
-  Shape shape{Points(3 * (columns + 1), 2), Triangles(4 * columns, 3)};
-  for (int i = 0; i <= columns; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      shape.vertices.row(3 * i + j) << static_cast<double>(i) / columns, width * (j - 1) / 2.0;
-    }
-  }
-  int row = 0;
-  for (int i = 0; i < columns; ++i) {
-    for (int j = 0; j < 2; ++j) {
-      const int a = 3 * i + j, b = a + 3;
-      shape.triangles.row(row++) << a, b, a + 1;
-      shape.triangles.row(row++) << b, b + 1, a + 1;
-    }
-  }
-  return shape;
-}
+Shape bar(int columns, double width = 0.08);
 
 /// The bar bent along its length into an arc of `angle`; its middle line keeps its length.
-inline Points rolled(const Points& straight, double angle) {
-  Points result(straight.rows(), 2);
-  for (Eigen::Index i = 0; i < straight.rows(); ++i) {
-    const double radius = 1.0 / angle, a = straight(i, 0) * angle;
-    result.row(i) << (radius - straight(i, 1)) * std::sin(a),
-        radius - (radius - straight(i, 1)) * std::cos(a);
-  }
-  return result;
-}
+Points rolled(const Points& straight, double angle);
 
-inline double wrapped_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+double wrapped_angle(double angle);
 
-inline Eigen::VectorXd uniform(int frames, double last = 1.0) {
-  return Eigen::VectorXd::LinSpaced(frames, 0.0, last);
-}
+Eigen::VectorXd uniform(int frames, double last = 1.0);
 
-inline double largest_difference(const Points& a, const Points& b) {
-  return (a - b).rowwise().norm().maxCoeff();
-}
+double largest_difference(const Points& a, const Points& b);
 
-inline double largest_difference(const std::vector<Points>& a, const std::vector<Points>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, largest_difference(a[i], b[i]));
-  return largest;
-}
+double largest_difference(const std::vector<Points>& a, const std::vector<Points>& b);
 
 /// A bar that is bent, turned and moved.
 struct Bending {
@@ -68,10 +35,6 @@ struct Bending {
 };
 
 /// The sides of a closed contour or, if `open`, all but the last.
-inline Edges contour(int n, bool open = false) {
-  Edges edges(open ? n - 1 : n, 2);
-  for (int i = 0; i < edges.rows(); ++i) edges.row(i) << i, (i + 1) % n;
-  return edges;
-}
+Edges contour(int n, bool open = false);
 
 }  // namespace planar::testing

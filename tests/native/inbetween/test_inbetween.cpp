@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "dense.h"
 #include "inbetween/inbetween_support.h"
 #include "inbetween/midpoint_transition.h"
 #include "planar/distortion.h"
@@ -25,7 +26,7 @@ std::vector<Complex> dense_midpoint(const std::vector<Complex>& e) {
   }
   const Eigen::VectorXcd known = rows.col(0) * e.front() + rows.col(n - 1) * e.back();
   const Eigen::MatrixXcd inner = rows.middleCols(1, n - 2);
-  const Eigen::VectorXcd x = (inner.adjoint() * inner).ldlt().solve(-(inner.adjoint() * known));
+  const Eigen::VectorXcd x = least_squares(inner, -known);
   std::vector<Complex> result{e.front()};
   result.insert(result.end(), x.data(), x.data() + x.size());
   result.push_back(e.back());

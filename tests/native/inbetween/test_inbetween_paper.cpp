@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "dense.h"
 #include "inbetween/edge_equations.h"
 #include "inbetween/inbetween_support.h"
 #include "inbetween/paper_inbetween.h"
@@ -52,7 +53,7 @@ TEST(PaperInbetween, EdgesMinimiseEquation9) {
     const auto last = static_cast<Eigen::Index>(size) - 1;
     const Eigen::MatrixXcd inner = rows.middleCols(1, last - 1);
     const Eigen::VectorXcd known = rows.col(0) * e.front() + rows.col(last) * e.back();
-    const Eigen::VectorXcd expected = (inner.adjoint() * inner).ldlt().solve(-(inner.adjoint() * known));
+    const Eigen::VectorXcd expected = least_squares(inner, -known);
     Eigen::Array<Complex, 1, Eigen::Dynamic, Eigen::RowMajor> row(last + 1);
     std::copy(e.begin(), e.end(), row.data());
     minimise_edge_energy(row);
@@ -99,7 +100,7 @@ std::vector<Points> dense_algorithm(const Points& from, const Points& to, const 
         }
       }
       for (Eigen::Index k = 0; k < inner; ++k) rows.col(k * n).setZero();
-      const Eigen::VectorXcd x = rows.completeOrthogonalDecomposition().solve(-known);
+      const Eigen::VectorXcd x = least_squares(rows, -known);
       points.middleCols(1, inner) = Eigen::Map<const Eigen::MatrixXcd>(x.data(), n, inner);
     } else {
       for (std::size_t k = 1; k < last; ++k) {
@@ -112,7 +113,7 @@ std::vector<Points> dense_algorithm(const Points& from, const Points& to, const 
           rows(row, graph.edges[i][1]) = w;
           right[row] = w * e[i][k];
         }
-        points.col(static_cast<Eigen::Index>(k)) = rows.completeOrthogonalDecomposition().solve(right);
+        points.col(static_cast<Eigen::Index>(k)) = least_squares(rows, right);
       }
     }
     for (std::size_t i = 0; i < n_edges; ++i) {
@@ -125,7 +126,7 @@ std::vector<Points> dense_algorithm(const Points& from, const Points& to, const 
       const auto columns = static_cast<Eigen::Index>(last);
       const Eigen::MatrixXcd inner = rows.middleCols(1, columns - 1);
       const Eigen::VectorXcd known = rows.col(0) * e[i].front() + rows.col(columns) * e[i].back();
-      const Eigen::VectorXcd x = (inner.adjoint() * inner).ldlt().solve(-(inner.adjoint() * known));
+      const Eigen::VectorXcd x = least_squares(inner, -known);
       for (std::size_t k = 1; k < last; ++k) e[i][k] = x[static_cast<Eigen::Index>(k) - 1];
     }
   }

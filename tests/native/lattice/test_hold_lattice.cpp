@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <map>
 
+#include "dense.h"
 #include "lattice/held_shape.h"
 #include "lattice/lattice_frame.h"
 #include "lattice/lattice_support.h"
@@ -114,7 +114,7 @@ class DenseHold {
         value(before, gb);
         hessian.col(k) = flat(ga - gb) / 2e-6;
       }
-      d -= rows(hessian.ldlt().solve(flat(g)));
+      d -= rows(solved(hessian, flat(g)));
     }
   }
 

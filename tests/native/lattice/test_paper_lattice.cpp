@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <set>
 
+#include "dense.h"
 #include "lattice/anderson.h"
 #include "lattice/lattice_support.h"
 #include "lattice/nearest_rotation.h"
@@ -13,14 +12,6 @@
 
 namespace planar::testing {
 namespace {
-
-/// The rotation by singular values.
-Eigen::MatrixXd dense_rotation(const Eigen::MatrixXd& s) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::VectorXd sign = Eigen::VectorXd::Ones(s.rows());
-  sign[s.rows() - 1] = (svd.matrixV() * svd.matrixU().transpose()).determinant() > 0.0 ? 1.0 : -1.0;
-  return svd.matrixV() * sign.asDiagonal() * svd.matrixU().transpose();
-}
 
 TEST(NearestRotation, IsThatOfTheSingularValues) {
   for (unsigned seed = 1; seed <= 500; ++seed) {
@@ -51,20 +42,20 @@ TEST(NearestRotation, OfLinesAndNothingIsOneOfTheBest) {
 
 /// [LPFFD 9], an iteration in plain dense algebra in P: rotations by singular values, then the normal
 /// equations.
-template <int D>
 struct DensePaper {
-  Rows<D> rest, lattice_rest;
+  Eigen::MatrixXd rest, lattice_rest;
   Eigen::MatrixXd w;
   WeightedEdges edges;
   std::vector<int> pins, points;
-  Rows<D> pin_targets, point_targets;
+  Eigen::MatrixXd pin_targets, point_targets;
   bool following;
   double shape = 1.0, mesh = 1e2, lattice = 1e2, to_rest = 1e-2;
 
-  Rows<D> step(const Rows<D>& d) const {
-    const Rows<D> x = rest + w * d;
+  Eigen::MatrixXd step(const Eigen::MatrixXd& d) const {
+    const Eigen::MatrixXd x = rest + w * d;
     const Eigen::Index n = w.cols();
-    std::vector<Eigen::MatrixXd> s(static_cast<std::size_t>(rest.rows()), Eigen::MatrixXd::Zero(D, D));
+    std::vector<Eigen::MatrixXd> s(static_cast<std::size_t>(rest.rows()),
+                                   Eigen::MatrixXd::Zero(rest.cols(), rest.cols()));
     std::vector<std::array<int, 2>> both = edges.edge;
     std::vector<double> weight(edges.weight.begin(), edges.weight.end());
     for (std::size_t e = 0; e < edges.edge.size(); ++e) {
@@ -76,7 +67,7 @@ struct DensePaper {
       s[static_cast<std::size_t>(i)] +=
           weight[e] * (rest.row(i) - rest.row(j)).transpose() * (x.row(i) - x.row(j));
     }
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n), b = Eigen::MatrixXd::Zero(n, D);
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n), b = Eigen::MatrixXd::Zero(n, rest.cols());
     for (std::size_t e = 0; e < both.size(); ++e) {
       const auto [i, j] = both[e];
       const Eigen::RowVectorXd row = w.row(i) - w.row(j);
@@ -92,7 +83,7 @@ struct DensePaper {
       b += mesh * row.transpose() *
            (pin_targets.row(static_cast<Eigen::Index>(h)) - rest.row(pins[h]) + row * lattice_rest);
     }
-    Rows<D> goal = lattice_rest;
+    Eigen::MatrixXd goal = lattice_rest;
     if (following) {
       const Eigen::RowVectorXd from = rest.colwise().mean(), to = x.colwise().mean();
       const Eigen::MatrixXd r = dense_rotation((rest.rowwise() - from).transpose() * (x.rowwise() - to));
@@ -106,7 +97,7 @@ struct DensePaper {
       a(p, p) += weight_p;
       b.row(p) += weight_p * goal.row(p);
     }
-    return Rows<D>(a.ldlt().solve(b)) - lattice_rest;
+    return solved(a, b) - lattice_rest;
   }
 };
 
@@ -127,7 +118,7 @@ class Paper : public ::testing::TestWithParam<PaperCase> {
         GetParam().by_area ? area_edges(rest, elements) : uniform_edges(rest.rows(), elements);
     const LatticeWeights w = lattice_weights(rest, grid);
     const Rows<D> lattice_rest = points_of(grid);
-    DensePaper<D> dense{rest, lattice_rest, w, edges, {0, 7, 20}, {3}, {}, {}, GetParam().following};
+    DensePaper dense{rest, lattice_rest, w, edges, {0, 7, 20}, {3}, {}, {}, GetParam().following};
     dense.pin_targets = rest(dense.pins, Eigen::all) + Rows<D>(0.5 * random_coordinates(3, D, 5));
     dense.point_targets = lattice_rest(dense.points, Eigen::all).array() + 0.2;
 
@@ -266,15 +257,15 @@ TEST(PaperLattice, SettlesWhereThePlainAlternationDoes) {
   solver.solve(targets, no_targets);
   solver.settle();
   ASSERT_TRUE(solver.report().converged);
-  DensePaper<2> dense{in.shape.vertices,
-                      in.lattice_rest,
-                      in.weights,
-                      uniform_edges(in.shape.vertices.rows(), in.shape.triangles),
-                      pins,
-                      {},
-                      targets,
-                      Points(0, 2),
-                      true};
+  DensePaper dense{in.shape.vertices,
+                   in.lattice_rest,
+                   in.weights,
+                   uniform_edges(in.shape.vertices.rows(), in.shape.triangles),
+                   pins,
+                   {},
+                   targets,
+                   Points(0, 2),
+                   true};
   Points d = solver.points() - in.lattice_rest;
   const Points from = d;
   for (int i = 0; i < 30; ++i) d = dense.step(d);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "dense.h"
 #include "energy/killing_energy.h"
 #include "linear/sparse_solver.h"
 #include "planar/types.h"
