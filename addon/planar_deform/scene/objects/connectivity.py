@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads what joins the points of an object: faces as they are, before any triangulation, or lines."""
+"""Reads what joins the points of an object: faces as they are, before any triangulation, lines, or cells."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ...model.plane.connectivity import Connectivity
 from ...model.plane.frame import Indices
 from ..storage.topology import corner_vertices
 from .any_object import AnyObject
+from .cutout_object import CutoutObject
 
 
 def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
@@ -21,8 +22,10 @@ def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
 
 
 def shape_connectivity(drawing: AnyObject) -> Connectivity:
-    """The faces or the lines of any shape. Raises ObjectGone."""
-    edges = drawing.elements.get("edges")
-    if edges is None:
+    """The faces, the lines or the cells of any shape. Raises ObjectGone."""
+    if isinstance(drawing, CutoutObject):
         return connectivity_of(drawing.resolve().data, drawing.vertex_indices)
-    return Connectivity(len(drawing.vertex_indices), np.full(len(edges), 2, np.int32), edges.ravel(), "lines")
+    kind = "lines" if "edges" in drawing.elements else "cells"
+    joined = drawing.elements.get("edges", drawing.elements.get("triangles", np.empty((0, 3), np.int32)))
+    sizes = np.full(len(joined), joined.shape[1], np.int32)
+    return Connectivity(len(drawing.vertex_indices), sizes, joined.ravel(), kind)
