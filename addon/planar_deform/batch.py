@@ -23,6 +23,7 @@ from .scene.inbetweens import planning, writing
 from .scene.motion import bake, point_cache
 from .scene.objects.any_object import read_shape
 from .scene.sequence import pose_state
+from .scene.storage import points
 
 COMMAND = "planar"
 DONE, FAILED, USAGE = 0, 1, 2
@@ -107,7 +108,7 @@ def _objects(names: Sequence[str] | None) -> list[str]:
 
 def _has_poses(obj: bpy.types.Object) -> bool:
     ours = obj.library is None and obj.override_library is None
-    return ours and obj.type in {"MESH", "CURVE"} and pose_state.has_blocks(obj)
+    return ours and obj.type in points.TYPES and pose_state.has_blocks(obj)
 
 
 def _scene_of(obj: bpy.types.Object) -> bpy.types.Scene:

@@ -8,7 +8,7 @@ import bpy
 from .pins import following
 from .pins.pin_list import has_pins, sync
 from .sequence import pose_edit, pose_state
-from .storage import migration
+from .storage import migration, points
 from .storage.migration import OWNER
 from .view import snapshot
 
@@ -51,7 +51,7 @@ def activate_shown_pose(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
     obj = context.view_layer.objects.active
     if (
         obj is None
-        or obj.type not in {"MESH", "CURVE"}
+        or obj.type not in points.TYPES
         or obj.mode != "OBJECT"
         or not pose_state.is_ours(obj)
         or migration.is_newer(obj)

@@ -17,7 +17,7 @@ class Connectivity:
     count: int  # vertices that belong to a face
     sizes: Indices  # corners of each face
     corners: Indices  # their vertices, face after face
-    kind: str = "faces"  # or "lines", which have two corners
+    kind: str = "faces"  # or "lines", which have two corners, or "cells" of a lattice
 
     def difference(self, other: Connectivity) -> str | None:
         """What sets two apart, as "65 vertices, not 66"; None when they are the same."""

@@ -20,6 +20,25 @@ PLANTED = 1e-3  # of the diagonal: a pin that has moved less between two poses s
 _SAMPLED = 0.1  # of the share of the work: sampling, after solving
 
 
+@dataclass(frozen=True)
+class Blend:
+    """The straight way of points that nothing joins."""
+
+    keys: Array  # K x n x 2
+    times: list[float]
+
+    def at(self, times: Sequence[float] | Array, *, overshoot: bool = False) -> Array:
+        """Positions f x n x 2; before the first key and behind the last one these, or with `overshoot` on."""
+        found = []
+        for time in times:
+            key = int(np.clip(np.searchsorted(self.times, time, "right") - 1, 0, len(self.times) - 2))
+            start, end = self.times[key : key + 2]
+            share = (time - start) / (end - start)
+            share = share if overshoot else min(max(share, 0.0), 1.0)
+            found.append(self.keys[key] + share * (self.keys[key + 1] - self.keys[key]))
+        return np.stack(found)
+
+
 @dataclass
 class Plan:
     """What is to be generated: plain data, so that it can be solved in a thread."""
@@ -57,9 +76,11 @@ class Plan:
 
     def motion(
         self, first: int = 0, last: int | None = None, progress: Progress | None = None
-    ) -> native.Inbetweens:
+    ) -> native.Inbetweens | Blend:
         """The way through keys `first` to `last`, at their `times`. Raises SolveError, Cancelled."""
         last = len(self.keys) - 1 if last is None else last
+        if not self.elements:
+            return Blend(np.stack(self.keys[first : last + 1]), self.times[first : last + 1])
         anchors, joined = zip(*(self._holds(transition) for transition in range(first, last)), strict=True)
         return native.Inbetweens(
             np.stack(self.keys[first : last + 1]),

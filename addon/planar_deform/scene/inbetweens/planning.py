@@ -23,6 +23,7 @@ from ...model.plane.frame import Array32, Indices
 from ...model.timing.order_of_time import Entry, durations, even, frames_between
 from ..objects.any_object import AnyObject, shape_refusal
 from ..objects.cutout_object import CutoutObject
+from ..objects.lattice_object import space_refusal
 from ..pins import pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
@@ -42,7 +43,7 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
         return reason
     if not pose_state.is_ours(obj) or len(keyed(obj.data.shape_keys)) < 2:
         return "Key two poses first: Key Pose at one frame, then another one at a later frame"
-    return None
+    return space_refusal(obj)
 
 
 def plan(

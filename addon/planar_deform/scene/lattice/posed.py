@@ -11,9 +11,8 @@ from ...errors import Refusal
 from ..objects import cutout_object
 from ..objects.cutout_object import CutoutObject
 from ..objects.cutout_reading import read
-from ..objects.flat_object import data_refusal, make_current
-from ..sequence import pose_state
-from ..storage import shape_keys
+from ..objects.flat_object import make_current
+from ..objects.lattice_object import lattice_refusal
 from .posed_lattice import PosedLattice
 from .rig import read_rig
 
@@ -27,10 +26,7 @@ def posing_refusal(obj: bpy.types.Object | None) -> str | None:
     """
     if obj is None or obj.type != "LATTICE":
         return cutout_object.pose_refusal(obj)
-    reason = data_refusal(obj, "OBJECT")
-    if reason is not None:
-        return reason
-    return pose_state.refusal(obj) if pose_state.has_blocks(obj) else shape_keys.refusal(obj)
+    return lattice_refusal(obj)
 
 
 def begin_posing(

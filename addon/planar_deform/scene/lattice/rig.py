@@ -184,10 +184,12 @@ _kept: OrderedDict[int, LatticeRig] = OrderedDict()  # by session_uid of the lat
 def deformed(lattice: bpy.types.Object) -> Iterator[tuple[bpy.types.Object, bpy.types.Modifier]]:
     """The objects of the view layer that a lattice deforms and that are not hidden, with the modifiers."""
     for obj in bpy.context.view_layer.objects:
-        if obj.type == "MESH" and not obj.hide_viewport and not obj.hide_get():
-            for modifier in obj.modifiers:
-                if modifier.type == "LATTICE" and modifier.show_viewport and modifier.object == lattice:
-                    yield obj, modifier
+        if obj.type != "MESH":
+            continue
+        for modifier in obj.modifiers:
+            uses = modifier.type == "LATTICE" and modifier.show_viewport and modifier.object == lattice
+            if uses and not obj.hide_viewport and not obj.hide_get():  # last, as it takes longest
+                yield obj, modifier
 
 
 def rig_state(lattice: bpy.types.Object) -> RigState:

@@ -13,6 +13,7 @@ from ...errors import ObjectGone, Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.work import Progress
 from ..objects.any_object import begin_shape
+from ..objects.lattice_object import space_refusal
 from ..sequence import pose_showing, pose_state, stretches
 from ..sequence.pose_blocks import played, share_of, shown_curve
 from ..storage import points
@@ -38,7 +39,7 @@ class SequenceEdit:
 
     def __init__(self, context: bpy.types.Context, keep_poses: bool):
         obj, frame = context.object, context.scene.frame_current_final
-        reason = pose_state.refusal(obj) or edit_refusal(context)
+        reason = pose_state.refusal(obj) or edit_refusal(context) or space_refusal(obj)
         if reason is not None:
             raise Refusal(reason)
         self._drawing = begin_shape(context)

@@ -15,6 +15,7 @@ from ...model.plane.frame import Array, Array32
 from ...model.work import Progress
 from ..objects.any_object import AnyObject, begin_shape, is_outline, read_shape
 from ..objects.connectivity import shape_connectivity
+from ..objects.lattice_object import space_refusal
 from ..pins import pin_list
 from ..sequence import playback, pose_curve, pose_edit, pose_showing, pose_state, stretches
 from ..sequence.pose_blocks import played
@@ -38,7 +39,7 @@ class Transfer:
 
     def __init__(self, context: bpy.types.Context):
         source = context.object
-        reason = pose_state.refusal(source) or transfer_refusal(context)
+        reason = pose_state.refusal(source) or transfer_refusal(context) or space_refusal(source)
         if reason is not None:
             raise Refusal(reason)
         self._source = begin_shape(context)
@@ -110,7 +111,7 @@ class Transfer:
 
     def _finish(self, obj: bpy.types.Object) -> None:
         """Give a receiver without pins those of the source; what is generated is as the source's is."""
-        if not is_outline(obj) and not obj.planar.pins:
+        if obj.type == "MESH" and not is_outline(obj) and not obj.planar.pins:
             _pin_alike(self._source.resolve(), obj)
         for index, pose in enumerate(obj.planar.poses):
             if index not in self._stale:

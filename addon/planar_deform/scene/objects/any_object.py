@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any flat object whose shapes over time can be keyed: a cutout with faces, or an outline of lines."""
+"""Any object whose shapes over time can be keyed: a cutout with faces, an outline of lines, a lattice."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ import bpy
 from ...errors import Refusal
 from ...model.plane.frame import Array
 from ..sequence import playback, pose_edit
+from ..storage import points
 from . import cutout_object
 from .cutout_object import CutoutObject
 from .cutout_reading import read
 from .flat_object import make_current
+from .lattice_object import LatticeObject, lattice_refusal
 from .line_object import LineObject, outline_refusal
 
-AnyObject = CutoutObject | LineObject
+AnyObject = CutoutObject | LineObject | LatticeObject
 
 
 def shape_refusal(obj: bpy.types.Object | None) -> str | None:
@@ -25,9 +27,11 @@ def shape_refusal(obj: bpy.types.Object | None) -> str | None:
     Cheap enough for polls; read_shape() finds the rest.
     """
     if obj is None:
-        return "No active object: select a flat mesh or curve"
-    if obj.type not in {"MESH", "CURVE"}:
-        return f"'{obj.name}' is neither a mesh nor a curve: convert it with Object > Convert"
+        return "No active object: select a flat mesh, a curve or a lattice"
+    if obj.type not in points.TYPES:
+        return f"'{obj.name}' is neither a mesh, a curve nor a lattice: convert it with Object > Convert"
+    if obj.type == "LATTICE":
+        return lattice_refusal(obj)
     return outline_refusal(obj) if is_outline(obj) else cutout_object.pose_refusal(obj)
 
 
@@ -53,6 +57,8 @@ def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> AnyObj
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
+    if obj.type == "LATTICE":
+        return LatticeObject(obj, unkeyed)
     return LineObject(obj, unkeyed) if is_outline(obj) else CutoutObject(obj, read(obj, unkeyed=unkeyed))
 
 

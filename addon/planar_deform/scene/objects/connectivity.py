@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads what joins the points of an object: faces as they are, before any triangulation, or lines."""
+"""Reads what joins the points of an object: faces as they are, before any triangulation, lines, or cells."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from ...model.plane.connectivity import Connectivity
 from ...model.plane.frame import Indices
 from ..storage.topology import corner_vertices
 from .any_object import AnyObject
+from .cutout_object import CutoutObject
+from .lattice_object import LatticeObject
 
 
 def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
@@ -21,8 +23,10 @@ def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
 
 
 def shape_connectivity(drawing: AnyObject) -> Connectivity:
-    """The faces or the lines of any shape. Raises ObjectGone."""
-    edges = drawing.elements.get("edges")
-    if edges is None:
+    """The faces, the lines or the cells of any shape. Raises ObjectGone."""
+    if isinstance(drawing, CutoutObject):
         return connectivity_of(drawing.resolve().data, drawing.vertex_indices)
-    return Connectivity(len(drawing.vertex_indices), np.full(len(edges), 2, np.int32), edges.ravel(), "lines")
+    kind = "cells" if isinstance(drawing, LatticeObject) else "lines"
+    joined = drawing.cells if isinstance(drawing, LatticeObject) else drawing.elements["edges"]
+    sizes = np.full(len(joined), joined.shape[1], np.int32)
+    return Connectivity(len(drawing.vertex_indices), sizes, joined.ravel(), kind)

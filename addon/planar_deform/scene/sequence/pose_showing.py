@@ -75,4 +75,4 @@ def keep_brought_back() -> None:
 
 
 def _may_have_poses(obj: bpy.types.Object) -> bool:
-    return obj.library is None and obj.type in {"MESH", "CURVE"} and obj.is_property_set("planar")
+    return obj.library is None and obj.type in points.TYPES and obj.is_property_set("planar")

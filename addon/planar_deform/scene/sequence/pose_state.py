@@ -18,7 +18,7 @@ ON_A_COPY = "work on a copy of the object, with Apply All in the Shape Keys pane
 
 
 def has_blocks(obj: bpy.types.Object) -> bool:
-    """Whether the mesh has shape keys of a pose sequence."""
+    """Whether the object has shape keys of a pose sequence."""
     keys = obj.data.shape_keys
     return keys is not None and any(block_at(keys, pose.at) is not None for pose in obj.planar.poses)
 
@@ -59,11 +59,11 @@ def _own_blocks_refusal(keys: bpy.types.Key) -> str | None:
 
 def _foreign_blocks_refusal(keys: bpy.types.Key) -> str | None:
     if not keys.use_relative:
-        return f"The mesh has absolute shape keys of its own: {ON_A_COPY}"
+        return f"The object has absolute shape keys of its own: {ON_A_COPY}"
     others = [block.name for block in keys.key_blocks[1:]]
     if others not in ([], [POSE_KEY]) or eval_times(keys).max() >= FIRST:
         names = ", ".join(others[:3]) + (", ..." if others[3:] else "")
-        return f"The mesh has shape keys of its own ({names}): {ON_A_COPY}"
+        return f"The object has shape keys of its own ({names}): {ON_A_COPY}"
     return None
 
 

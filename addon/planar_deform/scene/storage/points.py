@@ -14,6 +14,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array32
 from . import changes
 
+TYPES = frozenset(("MESH", "CURVE", "LATTICE"))  # of objects that have such shapes
 CURVE_FIELDS = ("radius", "tilt")  # the columns behind the coordinates
 
 
@@ -32,6 +33,11 @@ def read(obj: bpy.types.Object) -> Array32:
         return _columns(obj.data.vertices, ())
     splines = [_columns(spline.points, CURVE_FIELDS, 4) for spline in obj.data.splines]
     return np.delete(np.concatenate(splines), 3, axis=1)  # a poly spline has no use for its weight
+
+
+def read_regular(lattice: bpy.types.Object) -> Array32:
+    """The shape of a lattice before anything has moved its points."""
+    return _columns(lattice.data.points, ())
 
 
 def write(obj: bpy.types.Object, shape: Array32) -> None:

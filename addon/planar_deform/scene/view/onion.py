@@ -14,7 +14,9 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
+from ...model.lattice.cells import border
 from ...model.plane.frame import Array32, Indices
+from ..objects.lattice_object import counts_of
 from ..objects.line_object import edges_of
 from ..sequence import pose_state
 from ..sequence.neighbours import KeyedPose, around
@@ -81,9 +83,11 @@ def of_active(context: bpy.types.Context) -> Onion | None:
 
 
 def outline(obj: bpy.types.Object) -> Indices:
-    """The edges of at most one face of a mesh, or all of a curve, e x 2 indices of points."""
+    """The edges of at most one face of a mesh, all of a curve, a lattice's border, e x 2 points."""
     if obj.type == "CURVE":
         return edges_of(obj)
+    if obj.type == "LATTICE":
+        return border(counts_of(obj))
     ends = edge_vertices(obj.data)
     return ends[np.bincount(corner_edges(obj.data), minlength=len(ends)) < 2]
 

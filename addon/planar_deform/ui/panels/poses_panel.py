@@ -11,6 +11,7 @@ from ...scene.motion import cache_age
 from ...scene.objects.any_object import is_outline, shape_refusal
 from ...scene.sequence import pose_list, pose_state, stretches
 from ...scene.sequence.held import Held, held
+from ...scene.storage import points
 from .tab import PlanarPanel, lines
 
 
@@ -67,7 +68,7 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and context.object.type in {"MESH", "CURVE"}
+        return context.object is not None and context.object.type in points.TYPES
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
