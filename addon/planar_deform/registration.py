@@ -28,6 +28,7 @@ from .operators import (
     rest,
     settle,
     stiffness,
+    targets,
 )
 from .scene import properties
 from .ui import menus
@@ -57,6 +58,7 @@ MODULES = (
     bake,
     breakdown,
     lattice,
+    targets,
     batch,
     gizmos,
     pin_menu,

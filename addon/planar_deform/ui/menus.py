@@ -55,6 +55,8 @@ class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         column = self.column
         column.operator("planar.settle_pose")
+        column.operator("planar.solve_to_targets", icon="TRACKER")
+        column.operator("planar.bake_targets", icon="REC")
         column.operator("planar.reset_selected_pins")
         column.operator("planar.reset_to_rest")
         column.operator("planar.set_rest_to_current")
