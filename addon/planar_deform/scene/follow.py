@@ -10,6 +10,7 @@ from .pins.pin_list import sync
 from .sequence import pose_edit, pose_state
 from .storage import migration
 from .storage.migration import OWNER
+from .telling import tell
 from .view import snapshot
 
 
@@ -26,7 +27,8 @@ def match_mesh(obj: bpy.types.Object) -> None:
         return
     if obj.planar.stiffness_group and not obj.planar.pins:
         sync(obj)
-    following.follow(obj)
+    for lost in following.follow(obj):
+        tell(lost, title="Joined")
 
 
 def activate_shown_pose(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

@@ -54,13 +54,13 @@ def shown_points(obj: bpy.types.Object) -> Array:
         only = obj.active_shape_key
         if only.mute or only == keys.reference_key:
             return basis
-        return basis + (points.read_block(obj, only) - basis) * _mask(obj, only)
+        return basis + (points.read_block(obj, only) - basis) * mask(obj, only)
     shown = basis.copy()
     for key in keys.key_blocks:
-        if _counts(keys, key):
+        if counts(keys, key):
             offsets = points.read_block(obj, key).astype(np.float64)
             offsets -= points.read_block(obj, key.relative_key)
-            shown += offsets * (key.value * _mask(obj, key))
+            shown += offsets * (key.value * mask(obj, key))
     return shown
 
 
@@ -77,8 +77,8 @@ def share_of_posed_key(obj: bpy.types.Object) -> Array:
     if obj.show_only_shape_key:
         return share + weight_of_posed_key(obj)
     for key in keys.key_blocks:
-        if _counts(keys, key):
-            weight = key.value * _mask(obj, key)
+        if counts(keys, key):
+            weight = key.value * mask(obj, key)
             share += weight * ((key == posed) - (key.relative_key == posed))
     return share
 
@@ -97,7 +97,7 @@ def weight_of_posed_key(obj: bpy.types.Object) -> Array | float:
     """The share of its difference that the posed key adds to the shown shape, count x 1 or one number."""
     posed = posed_key(obj)
     assert posed is not None
-    return _mask(obj, posed) * (1.0 if obj.show_only_shape_key else posed.value)
+    return mask(obj, posed) * (1.0 if obj.show_only_shape_key else posed.value)
 
 
 def check_share(obj: bpy.types.Object, share: Array) -> None:
@@ -126,16 +126,17 @@ def add_pose_key(obj: bpy.types.Object) -> bpy.types.ShapeKey:
     return key
 
 
-def _counts(keys: bpy.types.Key, key: bpy.types.ShapeKey) -> bool:
+def counts(keys: bpy.types.Key, key: bpy.types.ShapeKey) -> bool:
+    """Whether one of relative keys adds to what is shown."""
     return key != keys.reference_key and not key.mute and key.value != 0.0
 
 
-def _mask(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> Array | float:
+def mask(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> Array | float:
     """The key's mask, count x 1, or 1.0: a vertex group that is missing masks nothing."""
     group = members(obj, [key.vertex_group]).get(key.vertex_group) if key.vertex_group else None
     if group is None:
         return 1.0
     rows, weights = group
-    mask = np.zeros((len(obj.data.vertices), 1))
-    mask[rows, 0] = weights
-    return mask
+    result = np.zeros((len(obj.data.vertices), 1))
+    result[rows, 0] = weights
+    return result
