@@ -85,10 +85,12 @@ class PinTransform(Interactive):
             recorded = list(self._recorded) or unpack_path(self.path)
             posing = self._begun(context)
             path = self.edited(recorded, posing.drawing.frame)
-            posing.run(path, settle=path != recorded)
+            told = posing.run(path, settle=path != recorded)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
+        if told is not None:
+            self.report({"INFO"}, told)
         return {"FINISHED"}
 
     def _begun(self, context: bpy.types.Context) -> ObjectPosing:

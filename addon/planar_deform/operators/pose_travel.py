@@ -53,7 +53,7 @@ class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
         differs = connectivity_of(obj.data, drawing.vertex_indices).difference(_clipboard.connectivity)
         if differs is not None:
             raise Refusal(f"The copied pose is of another mesh: this one has {differs}")
-        _show(context, drawing, *pasted(_clipboard, drawing.cutout, _named(obj, drawing)))
+        _show(self, context, drawing, *pasted(_clipboard, drawing.cutout, _named(obj, drawing)))
 
 
 class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
@@ -99,7 +99,7 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
                 target = symmetry.reflected(other.target)
                 place = holder.place(positions)
                 results.append(PinResult(holder.pin.key, holder.part, target, place, -other.angle))
-        _show(context, drawing, positions, results)
+        _show(self, context, drawing, positions, results)
 
     def _by_pins(self, context: bpy.types.Context, drawing: CutoutObject, why: str) -> None:
         solving.halt()
@@ -115,7 +115,7 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
             posing.run()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        _show(context, drawing, posing.positions, posing.results())
+        _show(self, context, drawing, posing.positions, posing.results())
         self.report({"INFO"}, f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
 
 
@@ -141,7 +141,7 @@ class PLANAR_OT_reset_selected_pins(PosingOperator, bpy.types.Operator):
             posing.run()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        _show(context, drawing, posing.positions, posing.results())
+        _show(self, context, drawing, posing.positions, posing.results())
 
 
 def _named(obj: bpy.types.Object, drawing: CutoutObject) -> list[tuple[str, Holder]]:
@@ -152,11 +152,17 @@ def _named(obj: bpy.types.Object, drawing: CutoutObject) -> list[tuple[str, Hold
 
 
 def _show(
-    context: bpy.types.Context, drawing: CutoutObject, positions: Array, results: Iterable[PinResult]
+    operator: PosingOperator,
+    context: bpy.types.Context,
+    drawing: CutoutObject,
+    positions: Array,
+    results: Iterable[PinResult],
 ) -> None:
     drawing.write(positions)
     pin_list.store_results(context.object, drawing, results)
-    auto_key(context)
+    told = auto_key(context)
+    if told is not None:
+        operator.report({"INFO"}, told)
 
 
 CLASSES = (

@@ -26,7 +26,9 @@ class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
         return super().refusal(context) or modifiers.covering(obj) or pose_state.refusal(obj)
 
     def apply(self, context: bpy.types.Context) -> None:
-        key_shown(context)
+        told = key_shown(context)
+        if told is not None:
+            self.report({"INFO"}, told)
 
 
 class PoseListOperator(ShapeOperator):

@@ -112,8 +112,8 @@ class ObjectPosing:
         chosen += [pin for pin in self._pins if pin.key in self._moving]
         return int(self.drawing.cutout.parts[chosen[0].vertices[0]]) if chosen else 0
 
-    def run(self, path: list[Sample], *, settle: bool) -> None:
-        """Take the pins along a path, here and now, and end with what is reached.
+    def run(self, path: list[Sample], *, settle: bool) -> str | None:
+        """Take the pins along a path, here and now, and end with what is reached; as finish() tells.
 
         Raises Refusal, with everything as it was.
         """
@@ -121,7 +121,7 @@ class ObjectPosing:
             self.solve(path, settle=settle)
             solved = self.model.solved()
             self._write(solved.positions)
-            self.finish(solved)
+            return self.finish(solved)
         except Exception:
             self.cancel()
             raise
@@ -163,11 +163,12 @@ class ObjectPosing:
         self._kept_before = self._kept_before or pin_list.SavedResults(obj)
         pin_list.store_results(obj, self.drawing, solved.results)
 
-    def finish(self, solved: Solved) -> None:
-        """End it with this, which is shown; auto-key keys it."""
+    def finish(self, solved: Solved) -> str | None:
+        """End it with this, which is shown; auto-key keys it. What the user is to be told."""
         self.keep(solved)
         if bpy.context.object == self.drawing.resolve():
-            keying.auto_key(bpy.context)
+            return keying.auto_key(bpy.context)
+        return None
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""
