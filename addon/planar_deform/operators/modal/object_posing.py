@@ -18,7 +18,7 @@ from ...model.posing.pins import Holder
 from ...model.posing.posing import Posing, Sample, Solved
 from ...scene.objects import modifiers
 from ...scene.objects.cutout_object import begin
-from ...scene.pins import pin_list
+from ...scene.pins import pin_list, pose_holding
 from ...scene.view import snapshot
 from .. import keying
 
@@ -83,6 +83,7 @@ class ObjectPosing:
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
         self._settling = settling
+        self._unheld = pose_holding.unheld(obj, self._distortion)
         self._pivot = (
             None if pivot is None else self.drawing.from_world(np.array([pivot], dtype=np.float64))[0]
         )
@@ -166,9 +167,13 @@ class ObjectPosing:
     def finish(self, solved: Solved) -> str | None:
         """End it with this, which is shown; auto-key keys it. What the user is to be told."""
         self.keep(solved)
-        if bpy.context.object == self.drawing.resolve():
-            return keying.auto_key(bpy.context)
-        return None
+        told = [] if self._unheld is None else [self._unheld]
+        if (
+            bpy.context.object == self.drawing.resolve()
+            and (keyed := keying.auto_key(bpy.context)) is not None
+        ):
+            told.append(keyed)
+        return ". ".join(told) or None
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""
@@ -186,6 +191,10 @@ class ObjectPosing:
         after = selection_on_click(self._selected_before, self._pressed, self._extend)
         self._select(after)
         return after != self._selected_before or self._active_before != self._pressed
+
+    def _distortion(self) -> native.Distortion:
+        cutout = self.drawing.cutout
+        return native.distortion(cutout.rest, self.drawing.positions, cutout.triangles)
 
     def _write(self, positions: Array) -> None:
         self._wrote = True
