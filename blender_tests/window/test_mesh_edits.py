@@ -215,7 +215,7 @@ def test_a_keyed_layer_joined_to_an_unkeyed_pose_of_another(window: Window) -> I
     names = "First", "Second"
     start = pins_seen()[1]
     activate(bpy.data.objects["First"])
-    yield from window.drag(window.pixel(start), window.pixel(start + (0.2, 0.0, 0.4)))
+    yield from window.drag(window.pixel(start), window.pixel(start + np.array([0.2, 0.0, 0.4])))
     bpy.data.objects["Second"].select_set(True)
     yield from window.wait(0.2)
     before = np.concatenate([shown_in_world(name) for name in names])
