@@ -154,13 +154,15 @@ def test_a_keyed_one_joined_into_one_that_nobody_has_pinned():
 
 
 def test_one_that_is_posed_joined_to_one_with_keyed_poses():
-    first = posed(drawing("First"), (1, 13, 25), generate=True)
-    second = drawing("Second", (0, 3, 0))
-    pose(second, offset=(0.2, 0.4))
-    joined = assert_joined_plays(first, second)
     from planar_deform.scene.sequence import stretches
 
-    assert stretches.stale(joined) == []
+    first = drawing("First")
+    first.scale = (0.5, 0.8, 0.7)
+    posed(first, (1, 13, 25), generate=True)
+    second = drawing("Second", (0, 3, 0.1))
+    pose(second, offset=(0.2, 0.4))
+    joined = assert_joined_plays(first, second)
+    assert stretches.stale(joined) == [], "with pins and depth it has not had before"
     assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
 
 

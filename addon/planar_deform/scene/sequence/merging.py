@@ -25,6 +25,7 @@ from ..storage.shape_keys import POSE_KEY
 from . import playback, pose_curve, pose_showing, pose_state, stretches
 from .joined_parts import (
     Came,
+    Fresh,
     Part,
     Played,
     Poses,
@@ -121,15 +122,20 @@ def _put_together(obj: bpy.types.Object, parts: Sequence[Part]) -> None:
     if stops:
         _Union(obj, parts, sequences, tracks, stops).write(alike)
     else:
-        changes.tell(obj)
-        for pose, edited in base.known.fresh.items():
-            stretches.mark(obj, [pose], edited=edited)
+        _mark(obj, base.known.fresh)
     pose_showing.drop_scratch(obj)
     pose_showing.show_frame(obj)
     if unkeyed:
         pose_showing.show_unkeyed(obj, shown)
         pose_showing.keep(obj)
     points.update(obj)
+
+
+def _mark(obj: bpy.types.Object, fresh: Fresh) -> None:
+    """Let what is generated behind these poses belong to them as they are now."""
+    changes.tell(obj)
+    for edited in (False, True):
+        stretches.mark(obj, [pose for pose, was in fresh.items() if was == edited], edited=edited)
 
 
 def _all(parts: Sequence[Part], of: Callable[[Part], Array32]) -> Array32:
@@ -154,7 +160,7 @@ def _adopt(obj: bpy.types.Object, parts: Sequence[Part], base: Played) -> None:
     animation = base.keys.animation_data
     if animation is not None and animation.action is not None:
         own = obj.data.shape_keys.animation_data_create()
-        compat.assign_action(own, animation.action.copy(), compat.slot_of(animation))
+        compat.assign_action(own, animation.action, compat.slot_of(animation))
 
 
 def _write_below(obj: bpy.types.Object, parts: Sequence[Part]) -> None:
@@ -210,10 +216,8 @@ class _Union:
         self._blocks += self._never_played()
         playback.run(playback.relay(self._obj, self._blocks, partial(self._time, alike)))
         self._obj.planar.curve_before = ""
-        changes.tell(self._obj)
-        for index, pose in enumerate(self._obj.planar.poses):
-            if pose.generated:
-                stretches.mark(self._obj, [index], edited=pose.name in self._edited)
+        poses = enumerate(self._obj.planar.poses)
+        _mark(self._obj, {index: pose.name in self._edited for index, pose in poses})
 
     def _posed(self, stop: Stop) -> list[tuple[int, int]]:
         """Which sequences have one of their poses at a stop, and which."""
