@@ -29,6 +29,7 @@ _keyed: dict[int, bool] = {}
 # these had been edited. What takes poses and in-betweens along alike leaves them so.
 _inbetweens: dict[int, list[tuple[int, bool]]] = {}
 
+ROUNDING = 1e-5  # of coordinates that Blender has transformed in float32
 INTERPOLATED = 4  # an owner's number may be off by, as Blender's weights do not quite add up to 1
 
 
@@ -63,6 +64,9 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
         done = affine_between(seen[rows], present[rows])
         if done is not None:
             _carry(obj, done, done.turns_over(seen[rows]))
+        if done is not None and _explains(done, seen[rows], present[rows]):
+            for pose, by_hand in _inbetweens.get(obj.session_uid, []):
+                stretches.mark(obj, [pose], edited=by_hand)
         if done is not None and rest is not None:
             rest[rows] = done.of(rest[rows])
     if rest is not None and (joined or done is not None):
@@ -235,11 +239,15 @@ def _give_basis(obj: bpy.types.Object, rows: Mask, rest: Array32, present: Array
     points.update(obj)
 
 
+def _explains(done: Affine, before: Array32, after: Array32) -> bool:
+    """Whether a map tells of all vertices where they are by now: what takes poses along takes in-betweens."""
+    gap = np.abs(done.of(before) - after).max()
+    return bool(gap <= ROUNDING * np.abs(after).max())
+
+
 def _carry(moved: bpy.types.Object, done: Affine, turned_over: bool) -> None:
-    """What is stored of the pins follows, and in-betweens belong to the poses as they are by now."""
+    """What is stored of the pins follows."""
     mesh = moved.data
-    for pose, edited in _inbetweens.get(moved.session_uid, []):
-        stretches.mark(moved, [pose], edited=edited)
     for place in mesh.planar_seen.places:
         place.place = done.of(np.array([place.place]))[0]
     for obj in bpy.data.objects:
