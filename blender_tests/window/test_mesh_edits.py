@@ -226,3 +226,25 @@ def test_a_keyed_layer_joined_to_an_unkeyed_pose_of_another(window: Window) -> I
     yield from window.key("I")
     assert listed("First") == [1, 5, 9, 13, 20, 24]
     assert np.abs(shown_in_world("First") - before).max() < 1e-4
+
+
+def test_what_a_join_cannot_keep_is_told_at_the_mouse(window: Window) -> Iterator[None]:
+    yield from two_keyed_layers(window)
+    sheet("Smiling")
+    for name in ("Basis", "Smile"):
+        active().shape_key_add(name=name)
+    bpy.data.objects["Second"].select_set(True)
+    bpy.ops.ed.undo_push(message="Smile")
+    place = window.pixel((2.5, 0.0, 1.5))
+    yield from window.hover(place)
+    before = window.colours(place, 20)
+    yield from window.key("J", ctrl=True)
+    yield from window.wait(0.5)
+    window.picture("join-loses")
+    assert window.colours(place, 20) != before, "a message is at the mouse"
+    yield from window.key("ESC")
+    yield from window.wait(0.3)
+    assert window.busy == []
+    yield from window.undo()
+    yield from window.wait(0.3)
+    assert listed("Second") == [5, 20]

@@ -67,7 +67,10 @@ def merge(obj: bpy.types.Object, owner: int, came: Sequence[Came], rest: Array32
         return []
     others = [] if ours else foreign(keys, came)
     if others:
-        return [f"The poses that were joined are plain shape keys: '{obj.name}' has its own ({others[0]})"]
+        return [
+            f"The joined poses are plain shape keys now, as '{obj.name}' has its own ({others[0]}). "
+            "Undo, and join it to the drawing with the poses"
+        ]
     parts, lost = parts_of(obj, owner, came, rest)
     if ours and (reason := pose_state.animation_refusal(keys)) is not None:
         if any(isinstance(part, Played) for part in parts[1:]):
