@@ -15,7 +15,6 @@ import numpy as np
 from ... import native
 from ..plane.frame import Array, Indices
 
-
 LEAST_SHARE = 1e-3  # pins that follow the lattice less than this do not lead it
 
 
