@@ -20,8 +20,11 @@ from ..model.posing.pose_copy import CopiedPose, copied, pasted
 from ..model.posing.posing import PinResult
 from ..model.posing.symmetry import NotSymmetricError, find_symmetry, partner_pins
 from ..scene.lattice.posed import PosedObject, begin_posing
-from ..scene.objects.connectivity import connectivity_of
-from ..scene.objects.cutout_object import CutoutObject, begin
+from ..scene.objects import modifiers
+from ..scene.objects.any_object import begin_shape
+from ..scene.objects.connectivity import shape_connectivity
+from ..scene.objects.cutout_object import CutoutObject
+from ..scene.objects.lattice_object import LatticeObject, in_space, lattice_refusal
 from ..scene.pins import pin_list
 from .keying import auto_key
 from .posing_operator import PinPosingOperator, PosingOperator
@@ -29,7 +32,29 @@ from .posing_operator import PinPosingOperator, PosingOperator
 _clipboard: CopiedPose | None = None  # as long as Blender runs, whatever files are opened
 
 
-class PLANAR_OT_copy_pose(PosingOperator, bpy.types.Operator):
+class TravelOperator(PosingOperator):
+    """Works on the pose of a drawing or of a flat lattice."""
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        obj = context.object
+        if obj is None or obj.type != "LATTICE":
+            return super().refusal(context)
+        if in_space(obj):
+            return (
+                f"'{obj.name}' is a lattice in space, whose poses lie in no plane: use Duplicate Pose, or a "
+                "lattice with one point in one axis"
+            )
+        return lattice_refusal(obj) or modifiers.covering(obj)
+
+    def begin(self, context: bpy.types.Context) -> CutoutObject | LatticeObject:
+        """What the pose is of. Raises Refusal."""
+        drawing = begin_shape(context)
+        assert isinstance(drawing, CutoutObject | LatticeObject)  # others are refused
+        return drawing
+
+
+class PLANAR_OT_copy_pose(TravelOperator, bpy.types.Operator):
     bl_idname = "planar.copy_pose"
     bl_label = "Copy Pose"
     bl_description = "Copy the pose that is shown, to be pasted on this or an equally built drawing"
@@ -37,12 +62,12 @@ class PLANAR_OT_copy_pose(PosingOperator, bpy.types.Operator):
 
     def apply(self, context: bpy.types.Context) -> None:
         global _clipboard
-        drawing = begin(context)
-        connectivity = connectivity_of(context.object.data, drawing.vertex_indices)
-        _clipboard = copied(connectivity, drawing.cutout, drawing.positions, _named(context.object, drawing))
+        drawing = self.begin(context)
+        connectivity = shape_connectivity(drawing)
+        _clipboard = copied(connectivity, drawing.rest, drawing.positions, _named(context.object, drawing))
 
 
-class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
+class PLANAR_OT_paste_pose(TravelOperator, bpy.types.Operator):
     bl_idname = "planar.paste_pose"
     bl_label = "Paste Pose"
     bl_description = "Give the drawing the copied pose"
@@ -50,14 +75,14 @@ class PLANAR_OT_paste_pose(PosingOperator, bpy.types.Operator):
     def apply(self, context: bpy.types.Context) -> None:
         if _clipboard is None:
             raise Refusal("No pose has been copied: use Copy Pose first")
-        obj, drawing = context.object, begin(context)
-        differs = connectivity_of(obj.data, drawing.vertex_indices).difference(_clipboard.connectivity)
+        obj, drawing = context.object, self.begin(context)
+        differs = shape_connectivity(drawing).difference(_clipboard.connectivity)
         if differs is not None:
-            raise Refusal(f"The copied pose is of another mesh: this one has {differs}")
-        _show(context, drawing, *pasted(_clipboard, drawing.cutout, _named(obj, drawing)))
+            raise Refusal(f"The copied pose is of another {obj.type.lower()}: this one has {differs}")
+        _show(context, drawing, *pasted(_clipboard, drawing.rest, _named(obj, drawing)))
 
 
-class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
+class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
     bl_idname = "planar.mirror_pose"
     bl_label = "Mirror Pose"
     bl_description = (
@@ -83,12 +108,14 @@ class PLANAR_OT_mirror_pose(PosingOperator, bpy.types.Operator):
     )
 
     def apply(self, context: bpy.types.Context) -> None:
-        obj, drawing = context.object, begin(context)
-        rest, tolerance = drawing.cutout.rest, self.tolerance * drawing.cutout.diagonal
-        edges = connectivity_of(obj.data, drawing.vertex_indices).edges()
+        obj, drawing = context.object, self.begin(context)
+        rest, tolerance = drawing.rest, self.tolerance * drawing.diagonal
+        edges = shape_connectivity(drawing).edges()
         try:
             symmetry = find_symmetry(rest, edges, int(self.axis == "VERTICAL"), tolerance)
         except NotSymmetricError as error:
+            if isinstance(drawing, LatticeObject):
+                raise Refusal(f"The lattice is not symmetric at rest, as it is sheared: {error}") from error
             self._by_pins(context, drawing, str(error))
             return
         positions = symmetry.mirrored(drawing.positions)
@@ -142,18 +169,24 @@ class PLANAR_OT_reset_selected_pins(PinPosingOperator, bpy.types.Operator):
         _show(context, drawing, posing.positions, posing.results())
 
 
-def _named(obj: bpy.types.Object, drawing: CutoutObject) -> list[tuple[str, Holder]]:
-    """The object's usable pins by name, bound to its cutout."""
+def _named(obj: bpy.types.Object, drawing: CutoutObject | LatticeObject) -> list[tuple[str, Holder]]:
+    """The object's usable pins by name, bound to its cutout; those of a lattice hold what is shown then."""
+    if isinstance(drawing, LatticeObject):
+        return []
     pin_list.sync(obj)
     usable = pin_list.model_pins(obj, drawing)
     return [(obj.planar.pins[pin.key].name, Holder(pin, drawing.cutout)) for pin in usable]
 
 
 def _show(
-    context: bpy.types.Context, drawing: PosedObject, positions: Array, results: Iterable[PinResult]
+    context: bpy.types.Context,
+    drawing: PosedObject | LatticeObject,
+    positions: Array,
+    results: Iterable[PinResult],
 ) -> None:
     drawing.write(positions)
-    pin_list.store_results(context.object, drawing, results)
+    if not isinstance(drawing, LatticeObject):
+        pin_list.store_results(context.object, drawing, results)
     auto_key(context)
 
 

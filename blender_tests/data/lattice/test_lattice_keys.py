@@ -65,6 +65,9 @@ def two_layers(matrix=TURNED):
 @pytest.mark.parametrize("transform", ["none", "rotated", "stretched", "mirrored", "sheared"])
 def test_keyed_poses_are_shown_again_at_their_frames(build, transform):
     cage, *objects = build(matrix=TRANSFORMS[transform])
+    if transform == "sheared":
+        for obj in (cage, *objects):
+            shear(obj)
     poses = keyed(cage, objects, {1: 0.3, 9: -1.2, 20: 2.0})
     assert [pose.frame for pose in cage.planar.poses] == [1, 9, 20]
     assert {block.interpolation for block in cage.data.shape_keys.key_blocks[2:]} == {"KEY_LINEAR"}
@@ -178,6 +181,13 @@ def test_in_betweens_swing_and_what_is_keyed_stays(build, transform):
     generated = shown_at(objects, 7)
     assert bpy.ops.planar.remove_inbetweens() == {"FINISHED"}
     assert not np.allclose(shown_at(objects, 7)[0], generated[0], atol=1e-2)
+
+
+def shear(obj):
+    """As a parent with unequal scales does it."""
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    obj.parent, obj.matrix_parent_inverse = parent, TRANSFORMS["sheared"]
 
 
 def rest_of(cage):
@@ -298,12 +308,69 @@ def test_no_point_cache_is_baked_of_a_lattice_and_the_reason_is_told(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("name", ["copy_pose", "paste_pose", "mirror_pose", "record_pins"])
-def test_what_is_not_done_with_lattices_is_refused_with_the_reason(name):
-    cage, *objects = layered()
-    keyed(cage, objects, {1: 0.1})
-    with pytest.raises(RuntimeError, match="is a lattice"):
+@pytest.mark.parametrize("build", [layered, two_layers])
+@pytest.mark.parametrize("transform", ["none", "rotated", "stretched", "mirrored"])
+def test_a_pose_is_copied_to_another_frame_and_to_a_lattice_alike(build, transform):
+    cage, *objects = build(matrix=TRANSFORMS[transform])
+    bend(cage, 1.1, 0.4)
+    pose, posed = points(cage), shown(*objects)
+    assert bpy.ops.planar.copy_pose() == {"FINISHED"}
+    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
+    assert not np.allclose(evaluated(objects[0]), posed[0], atol=0.1)
+    assert bpy.ops.planar.paste_pose() == {"FINISHED"}
+    for now, then in zip(shown(*objects), posed, strict=True):
+        np.testing.assert_allclose(now, then, atol=2e-6)
+    activate(lattice(tuple(getattr(cage.data, f"points_{axis}") for axis in "uvw"), (1, 1, 1), (9, 0, 0)))
+    twin = bpy.context.object
+    assert twin != cage
+    twin.matrix_world = cage.matrix_world.copy()
+    assert bpy.ops.planar.paste_pose() == {"FINISHED"}
+    np.testing.assert_allclose(points(twin), pose, atol=1e-6)
+
+
+@pytest.mark.parametrize("build", [layered, two_layers])
+@pytest.mark.parametrize(("axis", "column"), [("HORIZONTAL", 0), ("VERTICAL", 1)])
+def test_a_pose_is_mirrored_point_by_point(build, axis, column):
+    cage, *_ = build()
+    bend(cage, 1.1, 0.4)
+    u, v, w = cage.data.points_u, cage.data.points_v, cage.data.points_w
+    pose = points(cage).reshape(w, v, u, 3)
+    assert bpy.ops.planar.mirror_pose(axis=axis) == {"FINISHED"}
+    expected = np.flip(pose, axis=2 - column).copy()
+    expected[..., column] *= -1.0
+    np.testing.assert_allclose(points(cage).reshape(w, v, u, 3), expected, atol=2e-6)
+
+
+def test_a_pose_is_not_carried_where_it_does_not_fit_and_the_reason_is_told():
+    cage, *_ = layered()
+    bend(cage, 1.1)
+    assert bpy.ops.planar.copy_pose() == {"FINISHED"}
+    activate(lattice((5, 8, 1), (1, 1, 1), (9, 0, 0), "Other"))
+    with pytest.raises(RuntimeError, match="of another lattice: this one has 40 vertices, not 72"):
+        bpy.ops.planar.paste_pose()
+    activate(make_object(*grid(4, 4)))
+    with pytest.raises(RuntimeError, match="of another mesh: this one has faces, not cells"):
+        bpy.ops.planar.paste_pose()
+    sheared = lattice((9, 8, 1), (1, 1, 1), (9, 0, 0), "Sheared")
+    shear(sheared)
+    activate(sheared)
+    before = points(sheared)
+    with pytest.raises(RuntimeError, match="not symmetric at rest"):
+        bpy.ops.planar.mirror_pose()
+    assert same(points(sheared), before)
+
+
+@pytest.mark.parametrize("name", ["copy_pose", "paste_pose", "mirror_pose"])
+def test_poses_in_space_are_not_carried_and_the_reason_is_told(name):
+    solid()
+    with pytest.raises(RuntimeError, match="is a lattice in space, whose poses lie in no plane"):
         getattr(bpy.ops.planar, name)()
+
+
+def test_the_motion_of_pins_of_a_lattice_is_not_recorded_and_the_reason_is_told():
+    layered()
+    with pytest.raises(RuntimeError, match="is a lattice"):
+        bpy.ops.planar.record_pins()
 
 
 def test_a_motion_is_transferred_to_a_lattice_alike_and_refused_to_another():

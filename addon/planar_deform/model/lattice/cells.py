@@ -30,12 +30,17 @@ def axis_across(counts: Counts, shapes: Iterable[Array32]) -> int | None:
     return None
 
 
-def triangles_across(counts: Counts, axis: int) -> Indices:
-    """Two triangles for each cell of each layer across an axis, m x 3, turned alike."""
+def cells_across(counts: Counts, axis: int) -> Indices:
+    """The corners of each cell of each layer across an axis, m x 4, turned alike."""
     layers = np.moveaxis(_numbers(counts), axis, 0)
-    a, b = layers[:, :-1, :-1].ravel(), layers[:, 1:, :-1].ravel()
-    c, d = layers[:, 1:, 1:].ravel(), layers[:, :-1, 1:].ravel()
-    triangles: Indices = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    corners = layers[:, :-1, :-1], layers[:, 1:, :-1], layers[:, 1:, 1:], layers[:, :-1, 1:]
+    cells: Indices = np.stack([corner.ravel() for corner in corners], axis=1)
+    return cells
+
+
+def halves(cells: Indices) -> Indices:
+    """Two triangles for each cell, 2 m x 3."""
+    triangles: Indices = np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
     return triangles
 
 

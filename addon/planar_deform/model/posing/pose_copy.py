@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..plane.connectivity import Connectivity
-from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Kind
 from .posing import PinResult
@@ -34,30 +33,28 @@ class CopiedPose:
 
 
 def copied(
-    connectivity: Connectivity, cutout: Cutout, positions: Array, pins: Iterable[tuple[str, Holder]]
+    connectivity: Connectivity, rest: Array, positions: Array, pins: Iterable[tuple[str, Holder]]
 ) -> CopiedPose:
-    """The pose of a cutout that stands at n x 2 positions, with its pins by name."""
-    extents = np.ptp(cutout.rest, axis=0)
+    """The pose of a drawing (at rest n x 2) that stands at n x 2 positions, with its pins by name."""
+    extents = np.ptp(rest, axis=0)
     targets = {
-        name: CopiedPin(
-            holder.pin.kind, (holder.pin.target - holder.place(cutout.rest)) / extents, holder.pin.angle
-        )
+        name: CopiedPin(holder.pin.kind, (holder.pin.target - holder.place(rest)) / extents, holder.pin.angle)
         for name, holder in pins
         if holder.pin.target is not None
     }
-    return CopiedPose(connectivity, (positions - cutout.rest) / extents, targets)
+    return CopiedPose(connectivity, (positions - rest) / extents, targets)
 
 
 def pasted(
-    pose: CopiedPose, cutout: Cutout, pins: Iterable[tuple[str, Holder]]
+    pose: CopiedPose, rest: Array, pins: Iterable[tuple[str, Holder]]
 ) -> tuple[Array, list[PinResult]]:
-    """The pose on a cutout of the same connectivity: n x 2 positions, and the targets of its pins by name."""
-    extents = np.ptp(cutout.rest, axis=0)
-    positions: Array = cutout.rest + pose.offsets * extents
+    """The pose on a drawing built alike (at rest n x 2): positions, and targets of its pins by name."""
+    extents = np.ptp(rest, axis=0)
+    positions: Array = rest + pose.offsets * extents
     results = []
     for name, holder in pins:
         pin = pose.pins.get(name)
         if pin is not None and pin.kind == holder.pin.kind:
-            target = holder.place(cutout.rest) + pin.offset * extents
+            target = holder.place(rest) + pin.offset * extents
             results.append(PinResult(holder.pin.key, holder.part, target, holder.place(positions), pin.angle))
     return positions, results

@@ -11,6 +11,7 @@ from ...model.plane.frame import Indices
 from ..storage.topology import corner_vertices
 from .any_object import AnyObject
 from .cutout_object import CutoutObject
+from .lattice_object import LatticeObject
 
 
 def connectivity_of(mesh: bpy.types.Mesh, vertices: Indices) -> Connectivity:
@@ -25,7 +26,7 @@ def shape_connectivity(drawing: AnyObject) -> Connectivity:
     """The faces, the lines or the cells of any shape. Raises ObjectGone."""
     if isinstance(drawing, CutoutObject):
         return connectivity_of(drawing.resolve().data, drawing.vertex_indices)
-    kind = "lines" if "edges" in drawing.elements else "cells"
-    joined = drawing.elements.get("edges", drawing.elements.get("triangles", np.empty((0, 3), np.int32)))
+    kind = "cells" if isinstance(drawing, LatticeObject) else "lines"
+    joined = drawing.cells if isinstance(drawing, LatticeObject) else drawing.elements["edges"]
     sizes = np.full(len(joined), joined.shape[1], np.int32)
     return Connectivity(len(drawing.vertex_indices), sizes, joined.ravel(), kind)

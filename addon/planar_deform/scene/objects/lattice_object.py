@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 
 from ... import native
-from ...model.lattice.cells import Counts, axis_across, triangles_across
+from ...model.lattice.cells import Counts, axis_across, cells_across, halves
 from ...model.plane.cutout import connected_parts, diagonal_of
-from ...model.plane.frame import Array, Array32, frame_across, mapped
+from ...model.plane.frame import Array, Array32, Indices, frame_across, mapped
 from ..sequence import pose_state
 from ..storage import points, shape_keys
 from .flat_object import FlatObject, data_refusal
@@ -26,9 +26,14 @@ def lattice_refusal(obj: bpy.types.Object) -> str | None:
     return pose_state.refusal(obj) if pose_state.has_blocks(obj) else shape_keys.refusal(obj)
 
 
+def in_space(obj: bpy.types.Object) -> bool:
+    """Whether an object is a lattice whose shapes lie in no plane."""
+    return obj.type == "LATTICE" and _axis_across(obj) is None
+
+
 def space_refusal(obj: bpy.types.Object) -> str | None:
     """Why nothing can be solved between shapes of an object, if it is a lattice in space; None if it can."""
-    if obj.type != "LATTICE" or _axis_across(obj) is not None:
+    if not in_space(obj):
         return None
     return (
         f"'{obj.name}' is a lattice in space, between whose poses Blender blends: key more poses, as with "
@@ -45,18 +50,19 @@ class LatticeObject(FlatObject):
 
     rest: Array  # n x 2
     diagonal: float  # of the rest shape's bounding box
-    elements: native.Elements  # triangles; none in space
+    cells: Indices  # m x 4; none in space
+    elements: native.Elements  # the cells as triangles; none in space
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         super().__init__(obj, store_of(obj, unkeyed))
         axis = _axis_across(obj)
         every = np.arange(self.count, dtype=np.int32)
         parts = np.zeros(self.count, np.int32)
-        self.elements = {}
+        self.cells, self.elements = np.empty((0, 4), np.int32), {}
         if axis is not None:
-            triangles = triangles_across(counts_of(obj), axis)
-            parts = connected_parts(self.count, triangles)
-            self.elements = {"triangles": triangles}
+            self.cells = cells_across(counts_of(obj), axis)
+            self.elements = {"triangles": halves(self.cells)}
+            parts = connected_parts(self.count, self.cells)
         shown = mapped(self._take_points(obj, every, parts), self._linear)
         self._take_frame(frame_across(np.eye(3)[2 if axis is None else axis], self._linear), shown)
         self._rest_shape = points.read_regular(obj)
