@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sequences import curve_of, go_to, same
 from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
-from test_lattice_posing import TURNED, deform, lattice, layered, pin_at, points, solid
+from test_lattice_posing import TURNED, deform, lattice, layered, pin_at, points, solid, world
 
 
 def bend(cage, amount, turn=0.0):
@@ -206,6 +206,55 @@ def length_of(positions):
     """From left to right through the middle of the first layer (9 points along u, 8 along v)."""
     row = (positions[27:36] + positions[36:45]) / 2.0
     return np.linalg.norm(np.diff(row, axis=0), axis=1).sum()
+
+
+def place_of(obj, vertices):
+    return world(obj, evaluated(obj)[vertices]).mean(axis=0)
+
+
+@pytest.mark.parametrize("path", ["STRAIGHT", "ARC"])
+@pytest.mark.parametrize("smooth", [False, True])
+def test_a_pin_that_stands_in_both_poses_stands_between_them(path, smooth):
+    cage, back, front = layered()
+    pin_at(back, 14)
+    pin_at(front, 20)
+    held = place_of(back, [14])
+    go_to(1)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    go_to(13)
+    bpy.ops.planar.rotate_pins(angle=1.2, pivot=held.tolist())
+    bpy.ops.planar.drag_pins(offset=(-0.5, 0.9))
+    size = np.linalg.norm(np.ptp(world(back, evaluated(back)), axis=0))
+    start = np.linalg.norm(place_of(back, [14]) - held)
+    assert start < 6e-3
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    poses = {frame: shown_at((back, front), frame) for frame in (1, 13)}
+    assert bpy.ops.planar.generate_inbetweens(path=path, smooth=smooth) == {"FINISHED"}
+    for frame in range(2, 13):
+        go_to(frame)
+        assert np.linalg.norm(place_of(back, [14]) - held) < start + 1e-4 * size
+    for frame, pose in poses.items():
+        for now, then in zip(shown_at((back, front), frame), pose, strict=True):
+            np.testing.assert_allclose(now, then, atol=2e-6)
+    assert len(cage.planar.pins) == 2
+
+
+def test_a_point_of_the_lattice_that_is_pinned_stands_too():
+    cage, back, _ = layered()
+    assert bpy.ops.planar.add_pin(lattice_point=31) == {"FINISHED"}
+    pin_at(back, 12)
+    go_to(1)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    held = points(cage)[31]
+    go_to(13)
+    bpy.ops.planar.drag_pins(offset=(-0.9, 1.2))
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    block = cage.data.shape_keys.key_blocks[cage.planar.poses[1].name]
+    end = np.array(block.data[31].co)
+    for inbetween in cage.data.shape_keys.key_blocks[3:-1]:
+        gap = np.abs(np.array(inbetween.data[31].co) - held).max()
+        assert gap <= np.abs(end - held).max() + 1e-4
 
 
 def test_equal_layers_stay_equal_in_between():

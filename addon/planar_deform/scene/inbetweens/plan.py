@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ... import native
+from ...model.lattice.pin_places import LedMotion, PinPlaces
 from ...model.plane.frame import Array, Array32, Indices
 from ...model.timing.order_of_time import Entry
 from ...model.work import Progress
@@ -51,7 +52,8 @@ class Plan:
     times: list[float]  # of the keys: frames, without those over which a pose is held
     counts: list[int]  # of each transition k -> k + 1: how many to generate
     turns: list[int]
-    held: list[Indices]  # vertices of each pin in each part
+    held: list[Indices]  # vertices of each pin in each part; those of `places` are behind the drawing's
+    places: PinPlaces | None  # of a lattice's pins
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
     # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
@@ -76,16 +78,16 @@ class Plan:
 
     def motion(
         self, first: int = 0, last: int | None = None, progress: Progress | None = None
-    ) -> native.Inbetweens | Blend:
+    ) -> native.Inbetweens | LedMotion | Blend:
         """The way through keys `first` to `last`, at their `times`. Raises SolveError, Cancelled."""
         last = len(self.keys) - 1 if last is None else last
         if not self.elements:
             return Blend(np.stack(self.keys[first : last + 1]), self.times[first : last + 1])
         anchors, joined = zip(*(self._holds(transition) for transition in range(first, last)), strict=True)
-        return native.Inbetweens(
-            np.stack(self.keys[first : last + 1]),
+        motion = native.Inbetweens(
+            np.stack([self._with_places(key) for key in self.keys[first : last + 1]]),
             **self.elements,
-            rest=self.rest,
+            rest=self._with_places(self.rest),
             key_times=self.times[first : last + 1],
             turns=np.array(self.turns[first:last], np.int32)[:, None],
             anchor=anchors,
@@ -94,6 +96,13 @@ class Plan:
             smooth=self.smooth,
             progress=progress,
         )
+        if self.places is None:
+            return motion
+        leading = [anchor - len(self.rest) for anchor in anchors]
+        return LedMotion(motion, self.places, self.times[first : last + 1], leading)
+
+    def _with_places(self, shape: Array) -> Array:
+        return shape if self.places is None else self.places.extended(shape)
 
     def solve(self, progress: Progress | None = None) -> list[Array]:
         """The generated positions, n x 2 each, in order. Raises SolveError and Cancelled."""
@@ -128,14 +137,17 @@ class Plan:
 
         Pins that stand still hold their parts; those parts that have none go by all their pins.
         """
-        before, after = self.keys[transition : transition + 2]
+        before, after = (self._with_places(key) for key in self.keys[transition : transition + 2])
+        parts_of = self.drawing.parts
+        if self.places is not None:  # of a lattice with one layer, which is one part
+            parts_of = np.zeros(len(before), np.int32)
         gaps = [np.linalg.norm(before[rows].mean(axis=0) - after[rows].mean(axis=0)) for rows in self.held]
         near = PLANTED * self.drawing.diagonal
         planted = [rows for rows, gap in zip(self.held, gaps, strict=True) if gap <= near]
-        parts = {int(self.drawing.parts[rows[0]]) for rows in planted}
-        chosen = planted + [rows for rows in self.held if int(self.drawing.parts[rows[0]]) not in parts]
+        parts = {int(parts_of[rows[0]]) for rows in planted}
+        chosen = planted + [rows for rows in self.held if int(parts_of[rows[0]]) not in parts]
         anchor = np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None
-        return anchor, joints.find(self.rest, before, after, self.drawing.parts, parts)
+        return anchor, joints.find(self._with_places(self.rest), before, after, parts_of, parts)
 
     def _sample_times(self, transition: int) -> Array:
         count = self.counts[transition]

@@ -21,9 +21,10 @@ import numpy as np
 from ...errors import Refusal
 from ...model.plane.frame import Array32, Indices
 from ...model.timing.order_of_time import Entry, durations, even, frames_between
+from ..lattice.pinned_places import pinned_places
 from ..objects.any_object import AnyObject, shape_refusal
 from ..objects.cutout_object import CutoutObject
-from ..objects.lattice_object import space_refusal
+from ..objects.lattice_object import LatticeObject, space_refusal
 from ..pins import pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
@@ -124,16 +125,22 @@ def way(drawing: AnyObject, poses: Sequence[int], times: Sequence[float]) -> Pla
 
 def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], turns: list[int]) -> Plan:
     """A plan for these poses, without times and counts."""
+    elements, held, places = drawing.elements, _held(drawing, obj), None
+    if isinstance(drawing, LatticeObject) and (places := pinned_places(obj, drawing)) is not None:
+        joined = places.triangles(drawing.rest, drawing.cells)
+        elements = {"triangles": np.concatenate([elements["triangles"], joined])}
+        held = [np.array([row], np.int32) for row in len(drawing.rest) + np.arange(len(places.offsets))]
     return Plan(
         drawing=drawing,
         shapes=shapes,
         keys=[drawing.flattened(shape) for shape in shapes],
         rest=drawing.rest,
-        elements=drawing.elements,
+        elements=elements,
         times=[],
         counts=[],
         turns=turns,
-        held=_held(drawing, obj),
+        held=held,
+        places=places,
         path=obj.planar.anchor_path,
         smooth=obj.planar.smooth,
     )
