@@ -111,10 +111,10 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
         point = drawing.pick(*ray(context.region, context.region_data, mouse))
         # Seen in space, points of a lattice are everywhere before and behind what it deforms.
         if isinstance(drawing, PosedLattice) and (drawing.flat or point is None):
-            places = drawing.lattice_points
-            number = nearest_within(context.region, context.region_data, places, mouse, ON_LATTICE_POINT)
-            if number is not None:
-                bpy.ops.planar.add_pin("EXEC_DEFAULT", True, lattice_point=number)
+            numbers, places = drawing.lattice_points
+            nearest = nearest_within(context.region, context.region_data, places, mouse, ON_LATTICE_POINT)
+            if nearest is not None:
+                bpy.ops.planar.add_pin("EXEC_DEFAULT", True, lattice_point=int(numbers[nearest]))
                 return True
         if point is None:
             raise Refusal(_missed(drawing))
