@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A lattice's poses over time: keyed, listed, baked, carried as those of a drawing."""
 
+import base64
+
 import bpy
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from lattice_poses import (
     keyed,
     length,
     length_of,
+    place_of,
     rest_of,
     shear,
     shown,
@@ -217,9 +220,45 @@ def test_poses_in_space_are_not_carried_and_the_reason_is_told(name):
         getattr(bpy.ops.planar, name)()
 
 
-def test_the_motion_of_pins_of_a_lattice_is_not_recorded_and_the_reason_is_told():
-    layered()
-    with pytest.raises(RuntimeError, match="is a lattice"):
+MOVED = [(0.0, 0.0, 0.0), (0.1, 0.05, 0.0), (0.2, 0.2, 0.0), (0.2, 0.4, 0.0), (0.1, 0.5, 0.0)]
+PATH = base64.b64encode(np.array(MOVED, "<f4").tobytes()).decode()
+
+
+@pytest.mark.parametrize("build", [layered, two_layers])
+@pytest.mark.parametrize("transform", ["none", "rotated", "mirrored"])
+def test_the_motion_of_a_pin_is_recorded_and_what_is_pinned_elsewhere_stays(build, transform):
+    cage, *objects = build(matrix=TRANSFORMS[transform])
+    pin_at(objects[0], 0)
+    pin_at(objects[0], 90)
+    held, start = place_of(objects[0], [0]), place_of(objects[0], [90])
+    assert bpy.ops.planar.record_pins(path=PATH, frame=3, smoothing=0.0) == {"FINISHED"}
+    assert [pose.frame for pose in cage.planar.poses] == [3, 4, 5, 6, 7]
+    for frame, (du, dv, _) in enumerate(MOVED, 3):
+        go_to(frame)
+        np.testing.assert_allclose(place_of(objects[0], [0]), held, atol=8e-3)
+        moved = place_of(objects[0], [90]) - start
+        np.testing.assert_allclose(np.linalg.norm(moved), np.hypot(du, dv), atol=8e-3)
+
+
+def test_a_second_recording_lets_the_first_one_go_on():
+    cage, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 20)
+    first = place_of(front, [20])
+    assert bpy.ops.planar.record_pins(path=PATH, frame=1, smoothing=0.0) == {"FINISHED"}
+    go_to(3)
+    recorded = place_of(front, [20])
+    go_to(1)
+    assert bpy.ops.planar.record_pins(pin=0, path=PATH, frame=1, smoothing=0.0) == {"FINISHED"}
+    assert len(cage.planar.poses) == 5
+    go_to(3)
+    np.testing.assert_allclose(place_of(front, [20]), recorded, atol=2e-2)
+    assert np.linalg.norm(recorded - first) > 0.2
+
+
+def test_in_space_nothing_is_recorded_and_the_reason_is_told():
+    solid()
+    with pytest.raises(RuntimeError, match="is a lattice in space, and motion is recorded in a plane"):
         bpy.ops.planar.record_pins()
 
 
