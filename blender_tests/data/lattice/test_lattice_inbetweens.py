@@ -228,3 +228,36 @@ def test_what_solves_between_poses_is_refused_in_space_and_nothing_changes(name)
     assert stored(cage) == before
     np.testing.assert_array_equal(shown(sheet), shows)
     assert twin.data.shape_keys is None
+
+
+def test_the_headless_command_fills_in_flat_lattices_and_leaves_others_to_blender(capsys):
+    from planar_deform import batch
+
+    cage, *objects = layered()
+    keyed(cage, objects, {1: 0.1, 9: (0.5, 1.2)})
+    space, sheet = solid()
+    space.name = "Space"
+    keyed(space, [sheet], {1: 0.1, 9: 0.5})
+    assert batch.run(["--generate"]) == batch.DONE
+    assert len(cage.data.shape_keys.key_blocks) == 2 + 9
+    assert len(space.data.shape_keys.key_blocks) == 2 + 2
+    assert batch.run(["--generate", "--object", "Space"]) == batch.FAILED
+    assert "is a lattice in space" in capsys.readouterr().err
+    assert batch.run(["--bake", "SHAPES", "--object", "Space", "--start", "1", "--end", "9"]) == batch.DONE
+    assert len(space.planar.poses) == 9
+
+
+def test_undo_of_a_frame_change_brings_an_unkeyed_pose_back():
+    cage, *objects = layered()
+    keyed(cage, objects, {1: 0.1, 9: 1.2})
+    go_to(5)
+    bpy.ops.ed.undo_push(message="Frame")
+    bend(cage, 2.0)
+    bpy.ops.ed.undo_push(message="Drag")
+    then = shown(*objects)
+    go_to(6)
+    bpy.ops.ed.undo_push(message="Frame")
+    bpy.ops.ed.undo()
+    objects = [bpy.data.objects[name] for name in ("Back", "Front")]
+    for now, was in zip(shown(*objects), then, strict=True):
+        np.testing.assert_array_equal(now, was)
