@@ -3,9 +3,9 @@
 
 import bpy
 import numpy as np
+from lattice_scenes import TURNED, deform, lattice, world
 from sequences import curve_of, go_to
 from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
-from test_lattice_posing import TURNED, deform, lattice, world
 
 
 def bend(cage, amount, turn=0.0):

@@ -18,9 +18,9 @@ from lattice_poses import (
     shown_at,
     two_layers,
 )
+from lattice_scenes import lattice, layered, pin_at, points, solid
 from sequences import curve_of, go_to, same
 from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
-from test_lattice_posing import lattice, layered, pin_at, points, solid
 
 
 @pytest.mark.parametrize("build", [layered, solid, two_layers])
