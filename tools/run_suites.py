@@ -10,7 +10,7 @@ usage: run_suites.py test|matrix|landing|nightly
 test      the suites of this machine
 matrix    the Blender suites in every supported Blender
 landing   both and lint, each suite once; native builds beside the release as far as they differ from it
-nightly   the same, all of it whole: every window test in the newest Blender too, every file in a Blender of its own
+nightly   the same, all of it whole: every window test in every Blender, every file in one of its own
 """
 
 import concurrent.futures

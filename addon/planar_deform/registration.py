@@ -17,6 +17,7 @@ from .operators import (
     click,
     drag,
     inbetweens,
+    lattice,
     motion,
     pin_radius,
     pins,
@@ -27,6 +28,7 @@ from .operators import (
     rest,
     settle,
     stiffness,
+    targets,
 )
 from .scene import properties
 from .ui import menus
@@ -55,6 +57,8 @@ MODULES = (
     motion,
     bake,
     breakdown,
+    lattice,
+    targets,
     batch,
     gizmos,
     pin_menu,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from cutouts import activate, active, imported, pin_data, selected, sheet
+from cutouts import activate, active, imported, pin_data, selected, shape, sheet
 from harness import Window, addon
 from mathutils import Euler
 
@@ -161,6 +161,57 @@ def test_in_space_a_pin_moves_across_the_view_at_its_own_depth(window: Window) -
     yield from window.drag(window.pixel(start), end)
     assert np.abs(np.subtract(window.pixel(place(1)), end)).max() <= 4
     assert abs((place(1) - start) @ facing) < 0.03, "its depth is its own"
+    before, pins = points(), pin_data()
+    yield from window.hover(window.pixel(place(0)))
+    yield from window.press()
+    yield from window.move((window.mouse[0] - 60, window.mouse[1] + 50), steps=6)
+    yield from window.wait(0.2)
+    assert not np.array_equal(points(), before)
+    yield from window.key("ESC")
+    yield from window.release()
+    assert np.array_equal(points(), before)
+    assert pin_data() == pins
+    yield from window.undo()
+    assert np.allclose(place(1), start, atol=1e-4)
+    yield from window.redo()
+    assert np.array_equal(points(), before)
+
+
+def test_a_solid_thing_is_bent_in_the_plane_of_a_perspective_camera(window: Window) -> Iterator[None]:
+    thing = sheet("Thing", columns=24, rows=12, cell=0.15)
+    coordinates = shape(thing).copy()
+    coordinates[:, 1] = 0.8 * np.sin(1.7 * coordinates[:, 0])
+    thing.data.vertices.foreach_set("co", coordinates.ravel())
+    thing.data.update()
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.collection.objects.link(camera)
+    camera.location, camera.rotation_euler = (2.0, -8.0, 3.0), (1.25, 0.0, 0.25)
+    bpy.context.scene.camera = camera
+    data = bpy.data.lattices.new("Cage")
+    cage = bpy.data.objects.new("Cage", data)
+    data.points_u, data.points_v, data.points_w = 12, 10, 1
+    cage.rotation_euler, cage.scale = camera.rotation_euler, (5.5, 4.0, 1.0)
+    bpy.context.collection.objects.link(cage)
+    thing.modifiers.new("Lattice", "LATTICE").object = cage
+    activate(cage)
+    bpy.ops.ed.undo_push(message="Test Scene")
+    window.view.view_perspective = "CAMERA"
+    yield from window.use_tool()
+    near = thing.matrix_world @ thing.data.vertices[6 * 25 + 6].co
+    far = thing.matrix_world @ thing.data.vertices[6 * 25 + 18].co
+    for spot in (near, far):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    assert len(active().planar.pins) == 2, window.reports()
+    depth = cage.matrix_world.inverted()
+    deep = [(depth @ thing.matrix_world @ vertex.co).z for vertex in thing.data.vertices]
+    for index, (dx, dy) in enumerate(((-20, 70), (30, -60))):
+        x, y = window.pixel(place(index))
+        yield from window.drag((x, y), (x + dx, y + dy))
+        assert np.abs(np.subtract(window.pixel(place(index)), (x + dx, y + dy))).max() <= 5, index
+    window.picture("lattice_camera")
+    shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    moved = [(depth @ thing.matrix_world @ vertex.co).z for vertex in shown.vertices]
+    assert np.abs(np.subtract(moved, deep)).max() <= 1e-6, "nothing is moved in depth"
 
 
 def test_saved_and_loaded(window: Window) -> Iterator[None]:

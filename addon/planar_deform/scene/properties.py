@@ -71,6 +71,15 @@ class PlanarPin(bpy.types.PropertyGroup):
     )
     group_count: IntProperty(options={"HIDDEN"})  # that object's when the pin was last matched to them
     lattice_point: IntProperty(default=-1, options={"HIDDEN"})  # the lattice's own point that it holds
+    follow: PointerProperty(
+        type=bpy.types.Object,
+        name="Target",
+        description="Object to whose origin Solve to Targets takes the pin",
+        options=NOT_ANIMATED,
+    )
+    follow_bone: StringProperty(
+        name="Bone", description="Bone of the target whose head it is instead", options=NOT_ANIMATED
+    )
     owns_group: BoolProperty(options={"HIDDEN"})  # the group was made for this pin and goes with it
     kind: EnumProperty(
         name="Kind",

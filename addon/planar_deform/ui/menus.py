@@ -55,6 +55,8 @@ class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         column = self.column
         column.operator("planar.settle_pose")
+        column.operator("planar.solve_to_targets", icon="TRACKER")
+        column.operator("planar.bake_targets", icon="REC")
         column.operator("planar.reset_selected_pins")
         column.operator("planar.reset_to_rest")
         column.operator("planar.set_rest_to_current")
@@ -104,11 +106,21 @@ class PLANAR_MT_motion(PlanarMenu, bpy.types.Menu):
             column.operator("planar.bake", text=f"Bake to {name}").to = form
 
 
+class PLANAR_MT_lattice(PlanarMenu, bpy.types.Menu):
+    bl_label = "Lattice"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        column.operator("planar.fit_lattice", icon="LATTICE_DATA")
+        column.operator("planar.add_to_lattice", icon="ADD")
+        column.operator("planar.apply_lattice", icon="CHECKMARK")
+
+
 class PLANAR_MT_object(PlanarMenu, bpy.types.Menu):
     bl_label = "Planar"
 
     def draw(self, context: bpy.types.Context) -> None:
-        for menu in (PLANAR_MT_pins, PLANAR_MT_posing, PLANAR_MT_poses, PLANAR_MT_motion):
+        for menu in (PLANAR_MT_pins, PLANAR_MT_posing, PLANAR_MT_poses, PLANAR_MT_motion, PLANAR_MT_lattice):
             self.column.menu(menu.__name__)
 
 
@@ -117,7 +129,14 @@ def _entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
     menu.layout.menu(PLANAR_MT_object.__name__)
 
 
-CLASSES = (PLANAR_MT_pins, PLANAR_MT_posing, PLANAR_MT_poses, PLANAR_MT_motion, PLANAR_MT_object)
+CLASSES = (
+    PLANAR_MT_pins,
+    PLANAR_MT_posing,
+    PLANAR_MT_poses,
+    PLANAR_MT_motion,
+    PLANAR_MT_lattice,
+    PLANAR_MT_object,
+)
 
 
 def register() -> None:

@@ -473,3 +473,43 @@ def test_an_object_that_is_deleted_is_let_go_by_its_pins():
     activate(cage)
     assert bpy.ops.planar.drag_pins(pin=1, offset=(0.1, 0.0)) == {"FINISHED"}
     assert [pin.object for pin in cage.planar.pins] == [None, back]
+
+
+def test_poses_by_pins_are_keyed_and_played():
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    pin_at(back, 12)
+    scene = bpy.context.scene
+    scene.tool_settings.use_keyframe_insert_auto = True
+    keyed = {}
+    for frame, offset in ((1, (0.0, 0.1)), (11, (0.2, 0.1)), (21, (-0.1, 0.3))):
+        scene.frame_set(frame)
+        assert bpy.ops.planar.drag_pins(offset=offset) == {"FINISHED"}
+        keyed[frame] = shown(back, 12)
+    assert [pose.frame for pose in cage.planar.poses] == [1, 11, 21]
+    for frame, place in keyed.items():
+        scene.frame_set(frame)
+        np.testing.assert_allclose(shown(back, 12), place, atol=1e-5)
+        np.testing.assert_allclose(seen().pin(1).place, place, atol=1e-5)
+    scene.frame_set(11)
+    assert bpy.ops.planar.drag_pins(offset=(0.0, 0.1)) == {"FINISHED"}  # it goes into the pose that is keyed
+    again = shown(back, 12)
+    assert not np.allclose(again, keyed[11], atol=1e-3)
+    scene.frame_set(1)
+    scene.frame_set(11)
+    np.testing.assert_allclose(shown(back, 12), again, atol=1e-5)
+    assert len(cage.planar.poses) == 3
+
+
+def test_a_frame_change_is_followed_by_what_is_shown_without_being_told():
+    cage, back, _ = layered()
+    pin_at(back, 12)
+    scene = bpy.context.scene
+    for frame, offset in ((1, 0.0), (11, 0.3)):
+        scene.frame_set(frame)
+        bpy.ops.planar.drag_pins(offset=(0.0, offset))
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    for frame in (1, 6, 11, 3):
+        scene.frame_set(frame)
+        np.testing.assert_allclose(snapshot.of_active(bpy.context).pin(0).place, shown(back, 12), atol=1e-5)
+    assert cage.planar.poses[1].frame == 11

@@ -14,7 +14,8 @@ from .posing import RAMP_SAMPLES, Poser, Posing, Sample
 class PinReset(Posing):
     """Takes the moving pins straight to where they hold the rest shape, unturned; the others hold.
 
-    The first value of a sample is the share of the way.
+    The first value of a sample is the share of the way. In space, where no angle tells how a patch is turned,
+    its vertices go straight.
     """
 
     def __init__(
@@ -25,14 +26,23 @@ class PinReset(Posing):
         moving: Iterable[int],
         make_poser: Callable[[], Poser],
     ):
-        super().__init__(cutout, positions, pins, moving, make_poser)
+        used = list(pins)
+        super().__init__(cutout, positions, used, moving, make_poser)
         self._rest = cutout.rest
+        self._resting = {pin.key: Holder(pin, cutout) for pin in used}
 
     def run(self) -> None:
         """All the way, and until there is nothing left to do."""
         for step in range(1, RAMP_SAMPLES + 1):
             self.move(step / RAMP_SAMPLES, 0.0, 0.0)
         self.settle()
+
+    def _handle_targets(self, holder: Holder, target: Array, angle: float, sample: Sample) -> Array:
+        targets = super()._handle_targets(holder, target, angle, sample)
+        if holder.cutout.flat or not self._moves(holder):
+            return targets
+        resting = self._resting[holder.pin.key].handle_targets(target, 0.0)
+        return targets + sample[0] * (resting - targets)
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         if not self._moves(holder):

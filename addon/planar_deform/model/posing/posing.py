@@ -179,10 +179,14 @@ class Posing:
 
     def _targets(self, sample: Sample) -> Array:
         targets = [
-            holder.handle_targets(*self._aim(holder, start, sample))
+            self._handle_targets(holder, *self._aim(holder, start, sample), sample)
             for holder, start in zip(self._holders, self._starts, strict=True)
         ]
         return np.concatenate(targets)
+
+    def _handle_targets(self, holder: Holder, target: Array, angle: float, _sample: Sample) -> Array:
+        """Where the handles of a pin should be that is to be at a target, turned by an angle."""
+        return holder.handle_targets(target, angle)
 
     def _set_handles(self, poser: Poser) -> None:
         parts = [holder.handle_vertices() for holder in self._holders]

@@ -12,7 +12,7 @@ from ... import native
 from ...errors import Refusal
 from ...model.lattice.lattice_poser import LatticePoser, LatticeShape, posed_cutout
 from ...model.plane.cutout import Cutout
-from ...model.plane.frame import Array, Indices, frame_across, mapped
+from ...model.plane.frame import Array, Array32, Indices, frame_across, mapped
 from ...model.plane.locate import MeshPoint
 from ...model.plane.space import first_met, nearest_in_space
 from ...model.posing import solver_cache
@@ -134,17 +134,28 @@ class PosedLattice(FlatObject):
 
         Raises Refusal, with nothing changed, beyond what Blender can store.
         """
+        self._put(self._moved(self._store.begin, positions, self._share))
+
+    def coordinates(self, positions: Array) -> Array32:
+        """The shape, see storage/points.py, in which the lattice shows positions. Refuses as write() does."""
+        return self._moved(self._store.shown.astype(np.float32), positions, np.ones_like(self._share))
+
+    def rest_coordinates(self) -> Array32:
+        """The regular lattice, such a shape."""
+        return self._rig.grid.co
+
+    def _moved(self, begin: Array32, positions: Array, share: Array) -> Array32:
         start, end = (rows[self._count :] for rows in (self.positions, positions))
         moved = np.flatnonzero(np.any(start != end, axis=1))
         offsets = mapped(mapped(end[moved] - start[moved], np.ascontiguousarray(self._axes.T)), self._inverse)
         if self._rig.flat_axis is not None:
             offsets[:, self._rig.flat_axis] = 0.0  # but for rounding it is
-        shape = self._store.begin.copy()
+        shape = begin.copy()
         with np.errstate(over="ignore"):
-            shape[moved, :3] = shape[moved, :3] + offsets / self._share[moved]  # float64 until it is stored
+            shape[moved, :3] = shape[moved, :3] + offsets / share[moved]  # float64 until it is stored
         if not np.isfinite(shape[moved, :3]).all():
             raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
-        self._put(shape)
+        return shape
 
     def write_rest(self) -> None:
         """Take the pose away, to the bit: the lattice is as regular as it was made."""

@@ -148,10 +148,7 @@ class LatticeRig:
 
     def shown(self, points: Array) -> Array:
         """Where the rows are shown, n x 3, with the lattice's points at N x 3 places in the world."""
-        starts, columns, values = self.weights
-        moved = values[:, None] * (points - self.points_at_rest)[columns]
-        shown: Array = self.rest + np.add.reduceat(moved, starts[:-1])  # no row is empty
-        return shown
+        return self.rest + displacements(self.weights, points - self.points_at_rest)
 
     @property
     def meshes(self) -> list[bpy.types.Object]:
@@ -174,16 +171,25 @@ class LatticeRig:
         return bpy.data.objects[part.name], part.faces.vertices[rows - self.starts[index]]
 
 
+def displacements(weights: native.LatticeWeights, of_points: Array) -> Array:
+    """Those of n places, n x 3, by those of the lattice's points, N x 3."""
+    starts, columns, values = weights
+    moved: Array = np.add.reduceat(values[:, None] * of_points[columns], starts[:-1])  # no row is empty
+    return moved
+
+
 _kept: OrderedDict[int, LatticeRig] = OrderedDict()  # by session_uid of the lattice
 
 
 def deformed(lattice: bpy.types.Object) -> Iterator[tuple[bpy.types.Object, bpy.types.Modifier]]:
     """The objects of the view layer that a lattice deforms and that are not hidden, with the modifiers."""
     for obj in bpy.context.view_layer.objects:
-        if obj.type == "MESH" and not obj.hide_viewport and not obj.hide_get():
-            for modifier in obj.modifiers:
-                if modifier.type == "LATTICE" and modifier.show_viewport and modifier.object == lattice:
-                    yield obj, modifier
+        if obj.type != "MESH":
+            continue
+        for modifier in obj.modifiers:
+            uses = modifier.type == "LATTICE" and modifier.show_viewport and modifier.object == lattice
+            if uses and not obj.hide_viewport and not obj.hide_get():  # last, as it takes longest
+                yield obj, modifier
 
 
 def rig_state(lattice: bpy.types.Object) -> RigState:
@@ -199,7 +205,7 @@ def rig_state(lattice: bpy.types.Object) -> RigState:
 
 def read_rig(lattice: bpy.types.Object) -> LatticeRig:
     """What a lattice deforms. Raises Refusal; changes nothing."""
-    grid = _read_grid(lattice)
+    grid = read_grid(lattice)
     points_at_rest = mapped(grid.co.astype(np.float64), linear_of(lattice)) + origin_of(lattice)
     before = _kept.pop(lattice.session_uid, None)
     old = {} if before is None else {part.session_uid: part for part in before.parts}
@@ -231,7 +237,8 @@ def forget() -> None:
     _kept.clear()
 
 
-def _read_grid(lattice: bpy.types.Object) -> Grid:
+def read_grid(lattice: bpy.types.Object) -> Grid:
+    """The lattice at rest. Raises Refusal."""
     data = lattice.data
     counts = data.points_u, data.points_v, data.points_w
     if sum(count > 1 for count in counts) < 2:
@@ -265,7 +272,7 @@ def _read_part(
     _check(obj, modifier)
     shape = store_of(obj, unkeyed=True).shown.astype(np.float32)
     faces = faces_of(obj.data, shape)
-    factors = _factors(obj, modifier)
+    factors = factors_of(obj, modifier)
     matrices = np.array(obj.matrix_world), np.array(lattice.matrix_world)
     key = (
         *(obj.data.session_uid, shape.tobytes(), grid.key),
@@ -278,14 +285,20 @@ def _read_part(
     if not np.isfinite(coordinates).all():
         raise Refusal(f"'{obj.name}' has vertices with coordinates that are not numbers: delete them")
     rest = mapped(coordinates, linear_of(obj)) + origin_of(obj)
-    inverse = np.linalg.inv(linear_of(lattice))
-    starts, columns, values = grid.weights(mapped(rest - origin_of(lattice), inverse))
-    counts = np.diff(starts)
     share = factors if isinstance(factors, float) else factors[faces.vertices]
+    weights = weights_at(lattice, grid, rest, share)
+    return Part(obj.name, obj.session_uid, key, faces, rest, weights)
+
+
+def weights_at(
+    lattice: bpy.types.Object, grid: Grid, places: Array, share: Array | float
+) -> native.LatticeWeights:
+    """Those of the lattice's points at n x 3 places in the world, n x N by rows; `share`: of the modifier."""
+    inverse = np.linalg.inv(linear_of(lattice))
+    starts, columns, values = grid.weights(mapped(places - origin_of(lattice), inverse))
     if grid.group is not None:
         share = share * share * np.add.reduceat(values * grid.group[columns], starts[:-1])
-    scaled = values * np.repeat(np.broadcast_to(share, len(rest)), counts)
-    return Part(obj.name, obj.session_uid, key, faces, rest, (starts, columns, scaled))
+    return starts, columns, values * np.repeat(np.broadcast_to(share, len(places)), np.diff(starts))
 
 
 def _check(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
@@ -309,7 +322,7 @@ def _check(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
         )
 
 
-def _factors(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> Array | float:
+def factors_of(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> Array | float:
     """What a modifier multiplies the displacement of each vertex by (count,), or of all of them."""
     strength = float(modifier.strength)
     if not modifier.vertex_group or modifier.vertex_group not in obj.vertex_groups:

@@ -83,16 +83,23 @@ def to_shapes(obj: bpy.types.Object, frames: range) -> Generator[float, None, No
         yield 0.5 * share
     for share in pose_edit.put_coordinates(find(), shapes, throughout=True):
         yield 0.5 + 0.5 * share
-    keys = find().data.shape_keys
-    curve = own_curve(keys)
+    curve = own_curve(find().data.shape_keys)
     assert curve is not None  # it has just got keys
     for modifier in [modifier for modifier in curve.modifiers if not modifier.mute]:
         curve.modifiers.remove(modifier)
+    blend_evenly(find(), frames)
+
+
+def blend_evenly(obj: bpy.types.Object, frames: range) -> None:
+    """Blend from each of these frames, at which poses are keyed, to the next one on a straight line."""
+    keys = obj.data.shape_keys
+    curve = own_curve(keys)
+    assert curve is not None  # there are keys
     for point, frame in zip(curve.keyframe_points, keyed(keys)[:, 0], strict=True):
         if frames[0] - SAME_FRAME < frame < frames[-1] - SAME_FRAME:
             point.interpolation = "LINEAR"
     curve.update()
-    pose_showing.show_frame(find())
+    pose_showing.show_frame(obj)
 
 
 def to_point_cache(

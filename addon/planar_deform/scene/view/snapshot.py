@@ -256,7 +256,8 @@ def _results(drawing: PosedObject, holders: Iterable[Holder]) -> Iterator[PinRes
     for holder in holders:
         pin, place = holder.pin, holder.place(drawing.positions)
         target = place if pin.target is None else pin.target
-        angle = holder.fitted_angle(drawing.positions) if pin.kind == "PATCH" else 0.0
+        turns = pin.kind == "PATCH" and drawing.cutout.flat  # in space no angle tells it
+        angle = holder.fitted_angle(drawing.positions) if turns else 0.0
         yield PinResult(pin.key, holder.part, target, place, angle)
 
 

@@ -139,6 +139,13 @@ def _draw_pin(
     column.prop(pin, "enabled")
     if pin.lattice_point < 0:
         column.prop(pin, "weight")
+    column.prop(pin, "follow")
+    if pin.follow is not None:
+        if pin.follow.type == "ARMATURE":
+            column.prop_search(pin, "follow_bone", pin.follow.data, "bones", text="Bone")
+        row = layout.row(align=True)
+        row.operator("planar.solve_to_targets", icon="TRACKER")
+        row.operator("planar.bake_targets", icon="REC", text="Bake")
     fault = _fault(context, pin, index)
     if fault is not None:
         lines(column, fault, "ERROR", context)

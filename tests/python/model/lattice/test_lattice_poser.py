@@ -7,6 +7,7 @@ from cutouts import grid_cutout, pin
 
 from planar_deform import native
 from planar_deform.model.lattice.lattice_poser import LatticePoser, LatticeShape, posed_cutout
+from planar_deform.model.posing.pin_reset import PinReset
 from planar_deform.model.posing.posing import Posing
 
 GRID = grid_cutout(12, 4)
@@ -123,6 +124,27 @@ def test_in_space_a_patch_that_was_turned_out_of_the_view_is_not_turned_back_whe
     posing = Posing(cutout, once @ aside.T, [pin(patch, kind="PATCH")], [0], make_poser)
     posing.move(0.5, 0.2, 0.0)
     np.testing.assert_allclose(posing.settle(), once @ aside.T + [0.5, 0.2, 0.0], atol=2e-2)
+
+
+def test_in_space_a_patch_goes_back_to_rest_whatever_way_it_was_turned():
+    shape = setting(flat=False)
+    patch = pin([0, 1, 2, 13, 14, 15], kind="PATCH")
+    posing, rest = begun(shape, patch, moving=[0], flat=False)
+    for step in range(1, 9):
+        posing.move(0.05 * step, 0.0, 0.1 * step)
+    aside = np.roll(ASKEW, 1, axis=0)
+    turned = posing.settle() @ ASKEW @ aside.T
+    rest = rest @ ASKEW @ aside.T
+    cutout = posed_cutout(rest, shape.triangles, np.zeros(len(shape.rest), np.int32), 120, flat=False)
+
+    def make_poser():
+        poser = LatticePoser(LatticePoser.solver(shape, aside, flat=False), shape, aside, flat=False)
+        poser.reset(turned)
+        return poser
+
+    reset = PinReset(cutout, turned, [patch], [0], make_poser)
+    reset.run()
+    np.testing.assert_allclose(reset.positions, rest, atol=2e-2)
 
 
 def test_the_first_of_two_pins_on_one_point_of_the_lattice_holds_it():

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins on their way to places of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from ..plane.cutout import Cutout
+from ..plane.frame import Array
+from .pins import Holder, Pin
+from .posing import RAMP_SAMPLES, Poser, Posing, Sample
+
+
+class PinFollow(Posing):
+    """Takes pins straight to their goals, patches unturned; the others hold.
+
+    `goals`: places by the key of a pin. The first value of a sample is the share of the way.
+    """
+
+    def __init__(
+        self,
+        cutout: Cutout,
+        positions: Array,
+        pins: Iterable[Pin],
+        goals: Mapping[int, Array],
+        make_poser: Callable[[], Poser],
+    ):
+        super().__init__(cutout, positions, pins, goals, make_poser)
+        self._goals = goals
+
+    def run(self) -> None:
+        """All the way, and until there is nothing left to do."""
+        for step in range(1, RAMP_SAMPLES + 1):
+            self.move(step / RAMP_SAMPLES, 0.0, 0.0)
+        self.settle()
+
+    def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
+        if not self._moves(holder):
+            return start
+        place, turned = start
+        return place + sample[0] * (self._goals[holder.pin.key] - place), turned

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins taken to their targets: at once, and for every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import bpy
+from bpy.props import IntProperty
+
+from ..scene.lattice.posed import begin_posing, posing_refusal
+from ..scene.motion import bake, to_targets
+from ..scene.objects import modifiers
+from ..scene.pins import pin_list, targets
+from .keying import auto_key
+from .modal.long_job import Job, LongOperator
+from .posing_operator import PinPosingOperator
+
+
+def _refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why there is no target to go to, and what to do."""
+    if not pin_list.has_pins(obj) or not targets.has_targets(obj):
+        return "No pin has a target: choose one in the list of pins"
+    return None
+
+
+class PLANAR_OT_solve_to_targets(PinPosingOperator, bpy.types.Operator):
+    bl_idname = "planar.solve_to_targets"
+    bl_label = "Solve to Targets"
+    bl_description = "Take the pins that have a target there, the other ones hold; what they pose follows"
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return super().refusal(context) or _refusal(context.object)
+
+    def apply(self, context: bpy.types.Context) -> None:
+        to_targets.solve(context.object, begin_posing(context))
+        auto_key(context)
+
+
+class PLANAR_OT_bake_targets(LongOperator, bpy.types.Operator):
+    bl_idname = "planar.bake_targets"
+    bl_label = "Bake Targets"
+    bl_description = "Key a pose for every frame, with the pins where their targets are then"
+
+    frame_start: IntProperty(
+        name="First Frame",
+        description="First frame to bake; by default the scene's, or its preview's",
+        options={"SKIP_SAVE"},
+    )
+    frame_end: IntProperty(
+        name="Last Frame",
+        description="Last frame to bake; by default the scene's, or its preview's",
+        options={"SKIP_SAVE"},
+    )
+    frame_step: IntProperty(
+        name="Step",
+        description="Frames from one baked frame to the next",
+        default=1,
+        min=1,
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        obj = context.object
+        return posing_refusal(obj) or modifiers.covering(obj) or _refusal(obj)
+
+    def job(self, context: bpy.types.Context) -> Job:
+        obj = context.object
+        for name, value in zip(("frame_start", "frame_end"), bake.frame_range(context.scene), strict=True):
+            if not self.properties.is_property_set(name):
+                setattr(self, name, value)
+        frames = bake.frames_of(self.frame_start, self.frame_end, self.frame_step)
+        return Job(
+            write=lambda _: self._bake(obj, frames),
+            summary=lambda _: f"Keyed the pins at their targets from frame {frames[0]} to {frames[-1]}",
+        )
+
+    def _bake(self, obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
+        yield from to_targets.bake_frames(obj, frames)
+
+
+CLASSES = (PLANAR_OT_solve_to_targets, PLANAR_OT_bake_targets)

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins that go to targets: objects and bones, at once and frame by frame; of lattices and of drawings."""
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix, Quaternion
+from support import activate, bar, evaluated, world
+from test_lattice_posing import layered, pin_at, points, shown
+
+ENDS = (0, 90)
+
+
+def empty(place, name="Target"):
+    target = bpy.data.objects.new(name, None)
+    bpy.context.scene.collection.objects.link(target)
+    target.location = place
+    bpy.context.view_layer.update()
+    return target
+
+
+def aimed(offset=(0.2, 0.0, 0.15)):
+    """A lattice with a pin at each end of its back layer, of which the last one has a target."""
+    cage, back, _ = layered()
+    for vertex in ENDS:
+        pin_at(back, vertex)
+    target = empty(shown(back, ENDS[1]) + np.array(offset))
+    cage.planar.pins[1].follow = target
+    activate(cage)
+    return cage, back, target
+
+
+def along(cage, offset):
+    """The part of a world offset that lies in the lattice's plane."""
+    normal = np.array(cage.matrix_world)[:3, 2]
+    normal /= np.linalg.norm(normal)
+    return offset - normal * (normal @ offset)
+
+
+def test_a_pin_goes_to_its_target_and_the_others_hold():
+    cage, back, target = aimed()
+    start = [shown(back, vertex) for vertex in ENDS]
+    assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
+    gone = along(cage, np.array(target.location) - start[1])
+    np.testing.assert_allclose(shown(back, ENDS[1]) - start[1], gone, atol=8e-3)
+    np.testing.assert_allclose(shown(back, ENDS[0]), start[0], atol=8e-3)
+    before = points(cage)
+    target.location.x += 1e-9  # it is there
+    bpy.ops.planar.solve_to_targets()
+    np.testing.assert_allclose(points(cage), before, atol=2e-2)
+
+
+def test_a_bone_is_a_target():
+    cage, back, target = aimed()
+    data = bpy.data.armatures.new("Rig")
+    rig = bpy.data.objects.new("Rig", data)
+    bpy.context.scene.collection.objects.link(rig)
+    activate(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = data.edit_bones.new("Hand")
+    bone.head, bone.tail = (0, 0, 0), (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig.location = target.location
+    pin = cage.planar.pins[1]
+    pin.follow, pin.follow_bone = rig, "Foot"
+    activate(cage)
+    with pytest.raises(RuntimeError, match="no bone 'Foot'"):
+        bpy.ops.planar.solve_to_targets()
+    pin.follow_bone = "Hand"
+    rig.pose.bones["Hand"].location.y = 0.1
+    bpy.context.view_layer.update()
+    start = shown(back, ENDS[1])
+    bpy.ops.planar.solve_to_targets()
+    gone = along(cage, np.array(rig.matrix_world @ rig.pose.bones["Hand"].head) - start)
+    assert np.linalg.norm(gone) > 0.05
+    np.testing.assert_allclose(shown(back, ENDS[1]) - start, gone, atol=8e-3)
+
+
+def test_a_drawing_s_pin_has_a_target_as_well():
+    obj = bar(plane="XZ")
+    bpy.ops.planar.add_pin(location=world(obj)[0])
+    bpy.ops.planar.add_pin(location=world(obj)[64])
+    start = world(obj)
+    obj.planar.pins[1].follow = empty(start[64] + (0.1, 3.0, 0.2))
+    activate(obj)
+    assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
+    np.testing.assert_allclose(world(obj)[64], start[64] + (0.1, 0.0, 0.2), atol=5e-3)
+    np.testing.assert_allclose(world(obj)[0], start[0], atol=5e-3)
+
+
+def test_frames_are_baked_to_keys_of_the_lattice_that_blender_plays():
+    cage, back, target = aimed()
+    start = shown(back, ENDS[1])
+    for frame, shift in ((1, 0.0), (13, 0.4)):
+        target.location = start + np.array((shift, 0.0, 0.5 * shift))
+        target.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(5)
+    assert bpy.ops.planar.bake_targets(frame_start=1, frame_end=13) == {"FINISHED"}
+    assert bpy.context.scene.frame_current == 5
+    keys = cage.data.shape_keys
+    assert not keys.use_relative
+    for frame in (1, 4, 5, 9, 13):
+        bpy.context.scene.frame_set(frame)
+        gone = along(cage, np.array(target.matrix_world.translation) - start)
+        np.testing.assert_allclose(shown(back, ENDS[1]) - start, gone, atol=1e-2)
+    bpy.context.scene.frame_set(4)
+    first = evaluated(back)
+    bpy.context.scene.frame_set(5)
+    second = evaluated(back)
+    bpy.context.scene.frame_set(4, subframe=0.5)
+    np.testing.assert_allclose(evaluated(back), (first + second) / 2, atol=1e-6)
+    curves = bpy.data.actions[keys.animation_data.action.name]
+    assert curves is not None
+
+
+def test_a_lattice_that_moves_with_its_targets_stays_as_it_is():
+    cage, back, target = aimed((0.0, 0.0, 0.0))
+    for obj in (target, back):
+        obj.parent = cage
+        obj.matrix_parent_inverse = cage.matrix_world.inverted()
+    first = cage.location.x
+    for frame, x in ((1, 0.0), (5, 3.0)):
+        cage.location.x = first + x
+        cage.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.context.view_layer.update()
+    target.location = cage.matrix_world.inverted() @ target.location
+    target.matrix_parent_inverse = Matrix()
+    rest = points(cage)
+    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    bpy.context.scene.frame_set(5)
+    played = cage.data.shape_keys.key_blocks[-1]
+    shape = np.array([point.co for point in played.data])
+    np.testing.assert_allclose(shape, rest, atol=2e-2)
+
+
+def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
+    bpy.ops.mesh.primitive_monkey_add()
+    monkey = bpy.context.object
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.scene.collection.objects.link(camera)
+    turn = Quaternion((0.8, 0.5, 0.1, 0.2)).normalized()
+    camera.matrix_world = Matrix.LocRotScale(turn @ Matrix.Translation((0, 0, 6)).translation, turn, None)
+    bpy.context.scene.camera = camera
+    activate(monkey)
+    bpy.ops.planar.fit_lattice(space="CAMERA")
+    cage = bpy.context.object
+    before = world(monkey, evaluated(monkey))
+    depth = (before - np.array(camera.location)) @ np.array(camera.matrix_world)[:3, 2]
+    nearest, furthest = int(np.argmax(depth)), int(np.argmin(depth))
+    for vertex in (nearest, furthest):
+        bpy.ops.planar.add_pin(location=before[vertex])
+    target = empty(before[nearest] + np.array(camera.matrix_world)[:3, :3] @ (0.3, 0.2, 1.5))
+    cage.planar.pins[0].follow = target
+    activate(cage)
+    assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
+    seen = [
+        np.array(camera.matrix_world.inverted() @ Matrix.Translation(place).translation)
+        for place in (world(monkey, evaluated(monkey))[nearest], target.location)
+    ]
+    screen = [place[:2] / place[2] for place in seen]
+    np.testing.assert_allclose(screen[0], screen[1], atol=4e-3)
+
+
+def test_without_targets_it_says_so_and_changes_nothing():
+    cage, _back, _front = layered()
+    pin_at(bpy.data.objects["Back"], 0)
+    for operator in (bpy.ops.planar.solve_to_targets, bpy.ops.planar.bake_targets):
+        with pytest.raises(RuntimeError, match="No pin has a target"):
+            operator()
+    assert cage.data.shape_keys is None
