@@ -37,7 +37,7 @@ ORDER = {
     "model": ["__init__", "work", "plane", "posing", "lattice", "timing", "input"],
     "scene": [
         *("__init__", "storage", "sequence", "objects", "pins", "lattice", "view", "inbetweens", "motion"),
-        *("properties", "follow"),
+        *("telling", "properties", "follow"),
     ],
 }
 

@@ -56,6 +56,7 @@ def _before_undo(*_: object) -> None:
 
 def _after_undo(*_: object) -> None:
     changes.tell_all()
+    following.undone()
     pose_showing.undone()
     stiffness.undone()
 

@@ -104,7 +104,7 @@ def test_axis_keys_are_the_worlds_axes_and_pressed_twice_the_drawings(window: Wi
         yield from window.use_tool()
         yield from window.click(window.pixel(right))
         own = active().matrix_world.to_3x3().normalized()
-        for keys, way in (("Z", (0, 0, 1)), ("X", (1, 0, 0)), ("XX", own.col[0]), ("Y", own.col[1])):
+        for keys, way in (("Z", (0, 0, 1)), ("X", (1, 0, 0)), ("XX", own.col[0]), ("YY", own.col[1])):
             yield from window.hover(window.pixel(place(1)))
             start = place(1)
             yield from window.key("G")
@@ -117,6 +117,12 @@ def test_axis_keys_are_the_worlds_axes_and_pressed_twice_the_drawings(window: Wi
             assert np.linalg.norm(np.cross(gone, way)) < 0.04, f"{keys} at {turn}: {gone}"
             yield from window.undo()
         yield from window.key("G")
+        yield from window.key("Y")  # across the drawing
+        yield from window.move((window.mouse[0] + 60, window.mouse[1] + 40), steps=3)
+        yield from window.settled()
+        assert np.allclose(place(1), right, atol=1e-4), "along the normal nothing moves"
+        yield from window.key("ESC")
+        yield from window.key("G")
         yield from window.key("Z")
         yield from window.type("0.25")
         yield from window.confirm()
@@ -128,7 +134,8 @@ def test_axis_keys_are_the_worlds_axes_and_pressed_twice_the_drawings(window: Wi
         yield from window.undo()
         yield from window.key("G")
         yield from window.key("Z")
-        yield from window.key("Z")  # local Z leaves the plane: free again, along the world's axes
+        yield from window.key("Z")  # local Z leaves the plane
+        yield from window.key("Z")  # free again, along the world's axes
         yield from window.type("0.2")
         yield from window.key("TAB")
         yield from window.type("0.1")
@@ -165,6 +172,35 @@ def test_s_spreads_and_gathers(window: Window) -> Iterator[None]:
     assert np.allclose(place(1), (1.2, 0.0, 0.0), atol=0.05), place(1)
     yield from window.undo()
     assert np.array_equal(shape(), before), "it is one undo step"
+
+
+def test_s_with_an_axis_spreads_along_it(window: Window) -> Iterator[None]:
+    corners = ((-1.5, 0.0, -0.7), (1.5, 0.0, -0.7), (1.5, 0.0, 0.7), (-1.5, 0.0, 0.7))
+    yield from ready(window, *corners)
+    yield from window.key("A")
+    before = shape()
+    yield from window.hover(window.pixel((1.0, 0.0, 0.0)))
+    for keys, grown in (
+        ("X", (1.2, 1.0, 1.0)),
+        ("XX", (1.2, 1.0, 1.0)),
+        ("Z", (1.0, 1.0, 1.2)),
+        ("Y", (1, 1, 1)),
+    ):
+        yield from window.key("S")
+        for key in keys:
+            yield from window.key(key)
+        yield from window.type("1.2")
+        yield from window.confirm()
+        for index, corner in enumerate(corners):
+            assert np.allclose(place(index), np.multiply(corner, grown), atol=0.06), (keys, place(index))
+        if keys == "Z":
+            assert last().properties.axis == "Z"
+            typed = shape()
+            redo_with(window)
+            yield
+            assert np.array_equal(shape(), typed), "unchanged it gives the same bits"
+        yield from window.undo()
+        assert np.array_equal(shape(), before)
 
 
 def test_shift_is_precise_and_does_not_jump(window: Window) -> Iterator[None]:

@@ -133,6 +133,39 @@ def test_the_right_button_opens_the_menu_of_a_pin(window: Window) -> Iterator[No
     assert window.busy == []
 
 
+def test_the_right_button_beside_a_pin_opens_the_menu_of_the_drawing(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.drag(window.pixel(RIGHT), window.pixel((1.5, 0.0, 0.6)))
+    before = state()
+    for key in ("K", "I", "X"):
+        yield from window.click(window.pixel((0.0, 0.0, 0.2)), "RIGHTMOUSE")
+        yield from window.wait(0.3)
+        window.picture(f"drawing-menu-{key}")
+        yield from window.key(key)
+        yield from window.wait(0.3)
+        yield from window.key("ESC")
+        assert len(active().planar.poses) == 1, "its first entry keys the pose"
+        assert state() == before, "the object stays, and its transform has no keys"
+    yield from window.click(window.pixel(EMPTY), "RIGHTMOUSE")
+    yield from window.wait(0.3)
+    window.picture("object-menu")
+    yield from window.key("ESC")
+    assert state() == before
+
+
+def test_i_keys_no_hidden_drawing(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    active().hide_set(True)
+    yield from window.wait(0.2)
+    yield from window.key("I")
+    assert len(active().planar.poses) == 0
+    assert active().animation_data is None
+    assert "is hidden" in window.reports()
+    active().hide_set(False)
+    yield from window.key("I")
+    assert len(active().planar.poses) == 1
+
+
 def test_dragging_nothing_says_so(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     before = shape()

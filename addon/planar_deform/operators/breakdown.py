@@ -84,7 +84,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             way = Way(context)
             try:
                 way.show(self._share)
-                key_shown(context, kind="BREAKDOWN")
+                self._key(context)
             except Exception:
                 way.restore()
                 raise
@@ -96,6 +96,11 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     @property
     def _share(self) -> float:
         return limited(self.percent / 100.0, overshoot=self.overshoot)
+
+    def _key(self, context: bpy.types.Context) -> None:
+        told = key_shown(context, kind="BREAKDOWN")
+        if told is not None:
+            self.report({"INFO"}, told)
 
     # ---- by mouse and keys
 
@@ -142,7 +147,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
             return self._stop()
         if (event.type == "LEFTMOUSE" and event.value == "RELEASE") or (event.type in CONFIRM and pressed):
-            key_shown(context, kind="BREAKDOWN")
+            self._key(context)
             return self._leave({"FINISHED"})
         if event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}

@@ -11,6 +11,7 @@ from ..errors import Refusal
 from ..model.plane.frame import Array
 from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.lattice.posed_lattice import PosedLattice
+from ..scene.objects.cutout_object import pose_refusal
 from ..scene.pins import pin_list
 from ..scene.view import snapshot
 from ..scene.view.mouse import (
@@ -27,6 +28,7 @@ from .posing_operator import Refusing
 
 ADD = "Ctrl-click the drawing to add one"
 MENU = "PLANAR_MT_pin_context"
+DRAWING_MENU = "PLANAR_MT_drawing_context"
 ON_LATTICE_POINT = 8.0  # pixels at a UI scale of 1, within which a click is on a point of the lattice
 
 
@@ -111,10 +113,10 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
         point = drawing.pick(*ray(context.region, context.region_data, mouse))
         # Seen in space, points of a lattice are everywhere before and behind what it deforms.
         if isinstance(drawing, PosedLattice) and (drawing.flat or point is None):
-            places = drawing.lattice_points
-            number = nearest_within(context.region, context.region_data, places, mouse, ON_LATTICE_POINT)
-            if number is not None:
-                bpy.ops.planar.add_pin("EXEC_DEFAULT", True, lattice_point=number)
+            numbers, places = drawing.lattice_points
+            nearest = nearest_within(context.region, context.region_data, places, mouse, ON_LATTICE_POINT)
+            if nearest is not None:
+                bpy.ops.planar.add_pin("EXEC_DEFAULT", True, lattice_point=int(numbers[nearest]))
                 return True
         if point is None:
             raise Refusal(_missed(drawing))
@@ -143,8 +145,10 @@ def _missed(drawing: PosedObject) -> str:
 
 class PLANAR_OT_pin_menu(bpy.types.Operator):
     bl_idname = "planar.pin_menu"
-    bl_label = "Pin Context Menu"
-    bl_description = "Open the menu of the pin under the mouse, and of the others that are selected with it"
+    bl_label = "Drawing Context Menu"
+    bl_description = (
+        "Open the menu of the pin under the mouse, and of the others selected with it, or of the drawing"
+    )
     bl_options = {"INTERNAL"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -154,13 +158,21 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
         mouse = event.mouse_region_x, event.mouse_region_y
         pin = pin_under(context.region, context.region_data, seen.pins, mouse)
         if pin is None:
-            return {"PASS_THROUGH"}  # Blender's menu of the object
+            return self._of_drawing(context, mouse)
         settings = context.object.planar
         if not settings.pins[pin].select:
             bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="SELECT", pin=pin)
         else:
             settings.active_pin = pin
         bpy.ops.wm.call_menu(name=MENU)
+        return {"FINISHED"}
+
+    def _of_drawing(self, context: bpy.types.Context, mouse: tuple[int, int]) -> set[str]:
+        """Beside all pins: of the drawing if the mouse is on it, else Blender's menu of the object."""
+        under = _object_under(context, *ray(context.region, context.region_data, mouse))
+        if under is None or under != context.object or pose_refusal(under) is not None:
+            return {"PASS_THROUGH"}
+        bpy.ops.wm.call_menu(name=DRAWING_MENU)
         return {"FINISHED"}
 
 

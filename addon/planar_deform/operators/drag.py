@@ -23,7 +23,7 @@ from ..model.input.drag import Drag, Mode, Point
 from ..model.plane.axes import plane_axes
 from ..model.plane.frame import PlaneFrame
 from ..model.posing.posing import Posing, Sample, Solved, carried_path
-from ..model.posing.spreading import Spreading
+from ..model.posing.spreading import Spreading, carried_growth
 from ..scene.view.mouse import refuse_hidden, towards
 from .modal import running
 from .modal.object_posing import ObjectPosing
@@ -31,6 +31,11 @@ from .modal.plane_mouse import PlaneMouse
 from .modal.session import CONFIRM, PASSED_ON, Interactive, Session, is_dragged
 
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
+
+ORIENTATIONS = (
+    ("GLOBAL", "Global", "The two of the world's axes that the plane is nearest to"),
+    ("LOCAL", "Local", "The object's own axes"),
+)
 
 
 # What a script may give as a path. That of the mouse is kept beside the properties: Info shows all of these.
@@ -93,10 +98,12 @@ class PinTransform(Interactive):
             recorded = list(self._recorded) or unpack_path(self.path)
             posing = self._begun(context)
             path = self.edited(recorded, posing.drawing.frame)
-            posing.run(path, settle=path != recorded)
+            told = posing.run(path, settle=path != recorded)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
+        if told is not None:
+            self.report({"INFO"}, told)
         return {"FINISHED"}
 
     def _begun(self, context: bpy.types.Context) -> ObjectPosing:
@@ -142,7 +149,7 @@ class PinTransform(Interactive):
             return {"CANCELLED"}
         frame = self._posing.drawing.frame
         letters = plane_axes(frame, "GLOBAL").letters
-        locks = f"   {' or '.join(letters)}: Lock Axis, Twice the Local One" if self.mode == "MOVE" else ""
+        locks = f"   {' or '.join(letters)}: Lock Axis, Twice the Local One" if self.mode != "ROTATE" else ""
         self._session = Session(
             context,
             self._posing,
@@ -252,10 +259,7 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     orientation: EnumProperty(
         name="Orientation",
         description="Whose axes the offset is along",
-        items=(
-            ("GLOBAL", "Global", "The two of the world's axes that the plane is nearest to"),
-            ("LOCAL", "Local", "The object's own axes"),
-        ),
+        items=ORIENTATIONS,
         default="LOCAL",
         options=HIDDEN,
     )
@@ -331,17 +335,40 @@ class PLANAR_OT_spread_pins(AboutPivot, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    axis: EnumProperty(
+        name="Axis",
+        description="Along which axis the pins are spread",
+        items=(
+            ("NONE", "All", "In all directions"),
+            *((letter, letter, f"Only along {letter}") for letter in "XYZ"),
+        ),
+        options={"SKIP_SAVE"},
+    )
+    orientation: EnumProperty(
+        name="Orientation",
+        description="Whose axis that is",
+        items=ORIENTATIONS,
+        default="LOCAL",
+        options={"SKIP_SAVE"},
+    )
+
     def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
-        if path and np.float32(1.0 + path[-1][0]) == np.float32(self.factor):
-            return path
-        return carried_path(path, offset=(self.factor - 1.0, 0.0))
+        along = None if self.axis == "NONE" else plane_axes(frame, self.orientation).along(self.axis)
+        # Along an axis that leaves the plane nothing can be spread.
+        share = 0.0 if self.axis != "NONE" and along is None else self.factor - 1.0
+        return carried_growth(path, share, along)
 
     def set_end(self, drag: Drag, sample: Sample) -> None:
-        self.factor = 1.0 + sample[0]
+        self.factor = 1.0 + drag.grown
+        self.axis, self.orientation = drag.lock or "NONE", drag.orientation
 
     def draw(self, context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
-        self.layout.prop(self, "factor")
+        column = self.layout.column()
+        column.use_property_split = True
+        column.prop(self, "factor")
+        column.row().prop(self, "axis", expand=True)
+        if self.axis != "NONE":
+            column.prop(self, "orientation")
 
 
 CLASSES = (PLANAR_OT_drag_pins, PLANAR_OT_rotate_pins, PLANAR_OT_spread_pins)

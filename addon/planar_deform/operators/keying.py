@@ -5,43 +5,48 @@ from __future__ import annotations
 
 import bpy
 
+from ..model.timing.played_curve import SAME_FRAME
 from ..scene.objects.any_object import begin_shape, key_poses
-from ..scene.sequence import pose_blocks, pose_state
+from ..scene.sequence import held, pose_blocks, pose_state
 
 
-def key_shown(context: bpy.types.Context, *, kind: str | None = None) -> None:
-    """Key the shape that the active object shows at the present frame. Raises Refusal.
+def key_shown(context: bpy.types.Context, *, kind: str | None = None) -> str | None:
+    """Key the shape that the active object shows at the present frame; what to tell. Raises Refusal.
 
-    `kind`: the type of the key, one of Blender's; by default it keeps the one it has.
+    On twos at the frame whose drawing is seen then: at any other one the pose would not be shown. `kind`: the
+    type of the key, one of Blender's; by default it keeps the one it has.
     """
     drawing, frame = begin_shape(context), context.scene.frame_current_final
-    key_poses(drawing, {frame: drawing.positions})
+    shown = held.shown_for(context.object, frame)
+    key_poses(drawing, {shown: drawing.positions})
     if kind is not None:
-        pose_blocks.set_key_type(context.object.data.shape_keys, frame, kind)
+        pose_blocks.set_key_type(context.object.data.shape_keys, shown, kind)
+    if abs(shown - frame) < SAME_FRAME:
+        return None
+    return f"Keyed at frame {shown:g}, whose drawing is shown until frame {frame:g}, too: steps hold it"
 
 
-def auto_key(context: bpy.types.Context) -> None:
+def auto_key(context: bpy.types.Context) -> str | None:
     """After a posing: key the pose if auto-key is on and what it would key is not keyed already.
 
     As with any property of Blender: a mode that only replaces keys, and the preference to insert keys only
     where there are some, leave an object without a sequence alone; so does whatever would be refused. Only
-    Active Keying Set keys the pose if the set has the curve of the poses in it.
+    Active Keying Set keys the pose if the set has the curve of the poses in it. Tells what key_shown() does.
     """
     obj, tools = context.object, context.scene.tool_settings
     if not tools.use_keyframe_insert_auto:
-        return
+        return None
     ours = pose_state.is_ours(obj)
     if ours and not pose_state.unkeyed(obj):
-        return  # it went into a keyed pose
-    frame = context.scene.frame_current_final
+        return None  # it went into a keyed pose
+    frame = held.shown_for(obj, context.scene.frame_current_final)
     if tools.auto_keying_mode == "REPLACE_KEYS" and pose_state.pose_at(obj, frame) is None:
-        return
+        return None
     if not ours and context.preferences.edit.use_keyframe_insert_available:
-        return
+        return None
     if tools.use_keyframe_insert_keyingset and not _in_keying_set(obj, context.scene.keying_sets_all.active):
-        return
-    if pose_state.refusal(obj) is None:
-        key_shown(context)
+        return None
+    return key_shown(context) if pose_state.refusal(obj) is None else None
 
 
 def _in_keying_set(obj: bpy.types.Object, keying_set: bpy.types.KeyingSet | None) -> bool:

@@ -79,7 +79,7 @@ class PLANAR_OT_paste_pose(TravelOperator, bpy.types.Operator):
         differs = shape_connectivity(drawing).difference(_clipboard.connectivity)
         if differs is not None:
             raise Refusal(f"The copied pose is of another {obj.type.lower()}: this one has {differs}")
-        _show(context, drawing, *pasted(_clipboard, drawing.rest, _named(obj, drawing)))
+        _show(self, context, drawing, *pasted(_clipboard, drawing.rest, _named(obj, drawing)))
 
 
 class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
@@ -127,7 +127,7 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
                 target = symmetry.reflected(other.target)
                 place = holder.place(positions)
                 results.append(PinResult(holder.pin.key, holder.part, target, place, -other.angle))
-        _show(context, drawing, positions, results)
+        _show(self, context, drawing, positions, results)
 
     def _by_pins(self, context: bpy.types.Context, drawing: CutoutObject, why: str) -> None:
         solving.halt()
@@ -143,7 +143,7 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
             posing.run()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        _show(context, drawing, posing.positions, posing.results())
+        _show(self, context, drawing, posing.positions, posing.results())
         self.report({"INFO"}, f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
 
 
@@ -166,7 +166,7 @@ class PLANAR_OT_reset_selected_pins(PinPosingOperator, bpy.types.Operator):
             posing.run()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        _show(context, drawing, posing.positions, posing.results())
+        _show(self, context, drawing, posing.positions, posing.results())
 
 
 def _named(obj: bpy.types.Object, drawing: CutoutObject | LatticeObject) -> list[tuple[str, Holder]]:
@@ -179,6 +179,7 @@ def _named(obj: bpy.types.Object, drawing: CutoutObject | LatticeObject) -> list
 
 
 def _show(
+    operator: PosingOperator,
     context: bpy.types.Context,
     drawing: PosedObject | LatticeObject,
     positions: Array,
@@ -187,7 +188,9 @@ def _show(
     drawing.write(positions)
     if not isinstance(drawing, LatticeObject):
         pin_list.store_results(context.object, drawing, results)
-    auto_key(context)
+    told = auto_key(context)
+    if told is not None:
+        operator.report({"INFO"}, told)
 
 
 CLASSES = (

@@ -11,6 +11,7 @@ from ..scene.objects import modifiers
 from ..scene.objects.any_object import begin_shape
 from ..scene.objects.flat_object import make_current
 from ..scene.sequence import pose_edit, pose_list, pose_state
+from ..scene.view.mouse import hidden_refusal
 from .keying import key_shown
 from .posing_operator import ShapeOperator
 
@@ -25,8 +26,17 @@ class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
         obj = context.object
         return super().refusal(context) or modifiers.covering(obj) or pose_state.refusal(obj)
 
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        hidden = hidden_refusal(context)  # a script may key what nobody sees, hands may not
+        if hidden is not None:
+            self.report({"WARNING"}, hidden)
+            return {"CANCELLED"}
+        return self.execute(context)
+
     def apply(self, context: bpy.types.Context) -> None:
-        key_shown(context)
+        told = key_shown(context)
+        if told is not None:
+            self.report({"INFO"}, told)
 
 
 class PoseListOperator(ShapeOperator):

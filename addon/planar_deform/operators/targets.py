@@ -35,7 +35,9 @@ class PLANAR_OT_solve_to_targets(PinPosingOperator, bpy.types.Operator):
 
     def apply(self, context: bpy.types.Context) -> None:
         to_targets.solve(context.object, begin_posing(context))
-        auto_key(context)
+        told = auto_key(context)
+        if told is not None:
+            self.report({"INFO"}, told)
 
 
 class PLANAR_OT_bake_targets(LongOperator, bpy.types.Operator):

@@ -10,6 +10,7 @@ from .pins.pin_list import has_pins, sync
 from .sequence import pose_edit, pose_state
 from .storage import migration, points
 from .storage.migration import OWNER
+from .telling import tell
 from .view import snapshot
 
 
@@ -29,7 +30,8 @@ def match_mesh(obj: bpy.types.Object) -> None:
         return
     if obj.planar.stiffness_group and not obj.planar.pins:
         sync(obj)
-    following.follow(obj)
+    for lost in following.follow(obj):
+        tell(lost, title="Joined")
 
 
 def _match_lattice(lattice: bpy.types.Object) -> None:

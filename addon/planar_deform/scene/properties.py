@@ -24,6 +24,7 @@ from .objects.any_object import shape_refusal
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
 from .storage import migration
+from .telling import tell
 
 # Blender evaluates none of these: they are read when something is done. Animated, they would only be set back
 # in every frame, and a frame of a pose would move its own key.
@@ -138,19 +139,7 @@ def _retime(pose: PlanarPose, frame: float) -> None:
         index = next(index for index, other in enumerate(obj.planar.poses) if other.at == pose.at)
         pose_list.retime(obj, index, frame)
     except Refusal as refusal:
-        _tell(str(refusal))
-
-
-def _tell(reason: str) -> None:
-    """Of a value that was typed: there is no operator that could report it."""
-    if bpy.app.background:
-        print(f"Planar Deform: {reason}")
-        return
-
-    def draw(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
-        menu.layout.label(text=reason)
-
-    bpy.context.window_manager.popup_menu(draw, title="Pose Not Moved", icon="ERROR")
+        tell(str(refusal), title="Pose Not Moved")
 
 
 class PlanarPose(bpy.types.PropertyGroup):

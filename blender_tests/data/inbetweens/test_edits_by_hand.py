@@ -314,23 +314,23 @@ def test_a_pose_that_others_repeat_removed_from_blenders_list():
 
 
 def test_two_objects_with_poses_joined():
-    """Blender merges their shape keys by name, and leaves those that one has alone where they were."""
+    """Of drawings without pins; what else there is to joins: test_joined_poses.py."""
     first, second = bar(nx=6, ny=2, name="First"), bar(nx=6, ny=2, name="Second")
     shapes = {frame: key(first, frame, frame) for frame in FRAMES}
     generate()
-    for frame in (1, 5, 17, 30):
-        key(second, frame, frame)
+    others = {frame: key(second, frame, frame) for frame in (1, 5, 17, 30)}
     generate()
     go_to(1)
     activate(first)
     second.select_set(True)
     bpy.ops.object.join()
-    before = stored(first)
+    bpy.context.view_layer.update()
     names = ("key_pose", "generate_inbetweens", "remove_inbetweens", "clear_poses")
-    assert not any(getattr(bpy.ops.planar, name).poll() for name in names)
-    assert stored(first) == before
+    assert all(getattr(bpy.ops.planar, name).poll() for name in names)
+    assert [pose.frame for pose in first.planar.poses] == sorted({*FRAMES, 1, 5, 17, 30})
     count = len(shapes[1])
     assert all(same(shown_at(first, frame)[:count], shape) for frame, shape in shapes.items())
+    assert all(same(shown_at(first, frame)[count:], shape) for frame, shape in others.items())
 
 
 @pytest.mark.parametrize("generated", ["bar", "edge soup"], indirect=True)  # of curves: test_outlines.py

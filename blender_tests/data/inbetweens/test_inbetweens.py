@@ -289,6 +289,7 @@ def test_what_is_stale_is_told():
     basis = obj.data.shape_keys.reference_key
     basis.data[0].co[0] -= 0.1
     obj.data.update()
+    bpy.context.view_layer.update()
     assert len(stale(obj)) == 4
     remove(obj)
     assert stale(obj) == []

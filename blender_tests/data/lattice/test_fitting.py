@@ -180,8 +180,9 @@ def test_others_are_added_with_the_group_and_the_strength():
         bpy.ops.planar.add_to_lattice()
 
 
+@pytest.mark.parametrize("depth", [1, 2])
 @pytest.mark.parametrize("keyed", [False, True])
-def test_applied_the_meshes_keep_what_the_lattice_showed(keyed):
+def test_applied_the_meshes_keep_what_the_lattice_showed(keyed, depth):
     objects = layers()
     if keyed:
         objects[1].shape_key_add(name="Basis")
@@ -190,12 +191,11 @@ def test_applied_the_meshes_keep_what_the_lattice_showed(keyed):
         smile.value = 0.7
     bpy.ops.planar.fit_lattice()
     lattice = bpy.context.object
-    lattice.data.points.foreach_set(
-        "co_deform",
-        (coordinates(lattice.data.points) + np.random.default_rng(1).normal(scale=0.05, size=(196, 3)))
-        .astype(np.float32)
-        .ravel(),
-    )
+    lattice.data.points_w = depth
+    moved = np.tile(np.random.default_rng(1).normal(scale=0.05, size=(196, 3)), (depth, 1))
+    moved[:, 2] = 0.0
+    places = (coordinates(lattice.data.points) + moved).astype(np.float32)
+    lattice.data.points.foreach_set("co_deform", places.ravel())
     lattice.data.update_tag()
     before = [evaluated(obj) for obj in objects]
     assert bpy.ops.planar.apply_lattice() == {"FINISHED"}

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from filling import stale
 from sequences import curve_of, go_to, same
 from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
 from test_lattice_posing import TURNED, deform, lattice, layered, pin_at, points, solid, world
@@ -255,6 +256,36 @@ def test_a_point_of_the_lattice_that_is_pinned_stands_too():
     for inbetween in cage.data.shape_keys.key_blocks[3:-1]:
         gap = np.abs(np.array(inbetween.data[31].co) - held).max()
         assert gap <= np.abs(end - held).max() + 1e-4
+
+
+def test_in_betweens_are_stale_when_other_pins_hold_the_lattice():
+    cage, back, front = layered()
+    pin_at(back, 14)
+    pin_at(front, 20)
+    keyed(cage, (back, front), {1: 0.3, 13: (0.5, 1.0)})
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    assert stale(cage) == []
+    cage.planar.pins[0].enabled = False
+    bpy.context.view_layer.update()
+    assert stale(cage) == [(0, 1)]
+    cage.planar.pins[0].enabled = True
+    assert stale(cage) == []
+    assert bpy.ops.planar.add_pin(lattice_point=0) == {"FINISHED"}
+    assert stale(cage) == [(0, 1)]
+
+
+def test_the_onion_skin_is_the_border_of_the_lattice():
+    from planar_deform.scene.view.onion import of_active
+
+    cage, *objects = layered()
+    keyed(cage, objects, {1: 0.3, 13: 1.0})
+    cage.planar.show_onion = True
+    go_to(5)
+    onion = of_active(bpy.context)
+    assert len(onion.edges) == 2 * (8 + 7)
+    for shape, pose in ((onion.before, 0), (onion.behind, 1)):
+        block = cage.data.shape_keys.key_blocks[cage.planar.poses[pose].name]
+        np.testing.assert_array_equal(shape, coordinates(block.data))
 
 
 def test_equal_layers_stay_equal_in_between():

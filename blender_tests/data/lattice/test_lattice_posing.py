@@ -481,6 +481,7 @@ def test_poses_by_pins_are_keyed_and_played():
     pin_at(back, 12)
     scene = bpy.context.scene
     scene.tool_settings.use_keyframe_insert_auto = True
+    bpy.context.preferences.edit.use_keyframe_insert_available = False  # on in Blender 5.2
     keyed = {}
     for frame, offset in ((1, (0.0, 0.1)), (11, (0.2, 0.1)), (21, (-0.1, 0.3))):
         scene.frame_set(frame)
@@ -513,3 +514,37 @@ def test_a_frame_change_is_followed_by_what_is_shown_without_being_told():
         scene.frame_set(frame)
         np.testing.assert_allclose(snapshot.of_active(bpy.context).pin(0).place, shown(back, 12), atol=1e-5)
     assert cage.planar.poses[1].frame == 11
+
+
+@pytest.mark.parametrize("turn", [(9, 8, 2), (2, 9, 8), (8, 2, 9)])
+def test_two_equal_layers_are_posed_as_one(turn):
+    axis = turn.index(2)
+    order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+    columns = np.eye(4)[:, [*(order.index(i) for i in range(3)), 3]]
+    upright = Matrix(columns.tolist())  # the lattice's axes are those of the drawing in another order
+    obj = make_object(*grid(12, 6), name="Back")
+    size = [3.0] * 3
+    size[order[0]], size[order[1]] = 3.6, 2.2
+    cage = lattice(turn, size, (0.0, 0.0, 0.0), matrix=Matrix.Translation((1.0, 0.55, 0.1)) @ upright)
+    deform(obj, cage)
+    activate(cage)
+    pin_at(obj, 0)
+    pin_at(obj, 90)
+    depth, before = evaluated(obj)[:, 2], shown(obj, 90)
+    for _ in range(3):  # small ones too leave the layers equal
+        assert bpy.ops.planar.drag_pins(offset=(1e-4, 0.0)) == {"FINISHED"}
+    assert bpy.ops.planar.rotate_pins(angle=0.3, pivot=(1.0, 0.5, 0.0)) == {"FINISHED"}
+    assert np.linalg.norm(shown(obj, 90) - before) > 0.2
+    np.testing.assert_allclose(evaluated(obj)[:, 2], depth, atol=4e-7)
+    marks = seen()
+    assert marks.distortion.flipped == 0
+    np.testing.assert_allclose(marks.pin(1).place, shown(obj, 90), atol=1e-5)
+    last = len(cage.data.points) - 1
+    assert bpy.ops.planar.add_pin(lattice_point=last) == {"FINISHED"}
+    place = world(cage, points(cage)[[last]])[0]
+    np.testing.assert_allclose(seen().pin(2).place[:2], place[:2], atol=1e-6)
+    moved = points(cage) - coordinates(cage.data.points)
+    by_layer = np.moveaxis(moved.reshape(*reversed(turn), 3), 2 - axis, 0)
+    np.testing.assert_allclose(by_layer[0], by_layer[1], atol=1e-6)
+    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
+    np.testing.assert_array_equal(points(cage), coordinates(cage.data.points))

@@ -154,6 +154,39 @@ def test_relative_keys_show_what_was_shown(step):
     assert worst(obj, {-5: shown[1], 40: shown[25]}) < CLOSE
 
 
+@pytest.mark.parametrize("plane", ["XY", "XZ"])
+def test_a_drag_after_a_bake_to_relative_keys_changes_its_frame_alone(plane):
+    obj = keyed_bar(plane=plane)
+    assert bake(obj, "RELATIVE_KEYS") == {"FINISHED"}
+    keys = len(obj.data.shape_keys.key_blocks)
+    shown = film(obj, range(1, 26))
+    go_to(12)
+    assert bpy.ops.planar.drag_pins(offset=(0.1, 0.3)) == {"FINISHED"}
+    assert len(obj.data.shape_keys.key_blocks) == keys
+    moved = {frame for frame, shape in shown.items() if np.abs(shown_at(obj, frame) - shape).max() > CLOSE}
+    assert moved == {12}
+    go_to(13)
+    assert bpy.ops.planar.drag_pins(offset=(-0.1, 0.1)) == {"FINISHED"}
+    assert np.abs(shown_at(obj, 13) - shown[13]).max() > 0.05
+    go_to(12)
+    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
+    assert shown_at(obj, 12) == pytest.approx(coordinates(obj.data.vertices), abs=1e-6)
+
+
+def test_between_the_frames_of_a_bake_a_drag_says_where_to_go():
+    obj = keyed_bar()
+    assert bake(obj, "RELATIVE_KEYS", frame_step=4) == {"FINISHED"}
+    shown = film(obj, range(1, 30))
+    for frame, where in ((7, "5 or 9"), (27, "25")):
+        go_to(frame)
+        with pytest.raises(RuntimeError, match=f"go to frame {where}"):
+            bpy.ops.planar.drag_pins(offset=(0.1, 0.3))
+    assert worst(obj, shown) == 0.0
+    obj.shape_key_add(name="Mine").value = 1.0
+    obj.active_shape_key_index = len(obj.data.shape_keys.key_blocks) - 1
+    assert bpy.ops.planar.drag_pins(offset=(0.1, 0.3)) == {"FINISHED"}, "a key that was chosen is posed"
+
+
 def test_relative_keys_replace_the_key_pose_before_the_sequence():
     obj = bar()
     obj.shape_key_add(name="Basis")

@@ -288,6 +288,30 @@ def test_a_factor_spreads_and_gathers_the_selected_pins(plane):
         assert measured(obj).flipped == 0
 
 
+@pytest.mark.parametrize(
+    ("axis", "orientation", "grows"),
+    [
+        ("X", "GLOBAL", (1, 0, 0)),
+        ("Z", "GLOBAL", (0, 0, 1)),
+        ("Y", "GLOBAL", (0, 0, 0)),
+        ("X", "LOCAL", None),
+        ("Y", "LOCAL", None),
+        ("Z", "LOCAL", (0, 0, 0)),
+    ],
+)
+def test_pins_are_spread_along_an_axis_of_an_imported_drawing(axis, orientation, grows):
+    obj = imported(0.6)
+    bpy.ops.planar.select_pins(action="ALL")
+    own = np.array(obj.matrix_world.to_3x3().normalized())[:, "XYZ".index(axis)]
+    way = own if grows is None else np.array(grows, float)
+    starts = np.array([world(obj)[column::13].mean(axis=0) for column in (0, 12)])
+    middle = starts.mean(axis=0)
+    assert bpy.ops.planar.spread_pins(factor=1.25, axis=axis, orientation=orientation) == {"FINISHED"}
+    for index, start in enumerate(starts):
+        target = np.array(obj.matrix_world @ Vector(obj.planar.pins[index].target))
+        assert target == pytest.approx(start + 0.25 * way * (way @ (start - middle)), abs=2e-4)
+
+
 def test_pins_are_spread_from_a_given_pivot_and_patches_keep_their_angle():
     obj = bar()
     add_end_pins(obj, kind="PATCH")

@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from sequences import key, pull, shown_at
-from support import add_end_pins, bar
+from sequences import go_to, key, pull, shown_at
+from support import add_end_pins, bar, evaluated, pose
 
 
 def told(obj):
@@ -85,3 +85,39 @@ def _curve(obj):
     from planar_deform.scene.sequence.pose_blocks import shown_curve
 
     return shown_curve(obj.data.shape_keys)
+
+
+@pytest.mark.parametrize(("frame", "shown"), [(12, 11), (13, 13), (-2, -1), (30, 29)])
+def test_a_pose_keyed_at_a_held_frame_is_keyed_where_it_is_shown(frame, shown):
+    obj = sequence(1, 25)
+    bpy.ops.planar.step_poses(step=2)
+    go_to(frame)
+    pose(obj, offset=(-0.2, 0.3))
+    expected = evaluated(obj)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    assert evaluated(obj) == pytest.approx(expected, abs=1e-6), "it does not vanish under the hand"
+    assert sorted(pose.frame for pose in obj.planar.poses) == sorted([1, 25, shown])
+    assert told(obj) == []
+    for at in (frame, shown):
+        assert shown_at(obj, at) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_pose_keyed_at_a_held_frame_replaces_the_one_that_is_held():
+    obj = sequence(1, 11, 25)
+    bpy.ops.planar.step_poses(step=2)
+    go_to(12)
+    pose(obj, offset=(-0.2, 0.3))
+    expected = evaluated(obj)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    assert [pose.frame for pose in obj.planar.poses] == [1, 11, 25]
+    assert shown_at(obj, 11) == pytest.approx(expected, abs=1e-6)
+
+
+def test_auto_key_keys_where_it_is_shown_too(capfd):
+    obj = sequence(1, 25)
+    bpy.ops.planar.step_poses(step=3)
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
+    go_to(12)
+    assert bpy.ops.planar.drag_pins(offset=(0.1, 0.2)) == {"FINISHED"}
+    assert [pose.frame for pose in obj.planar.poses] == [1, 10, 25]
+    assert "Keyed at frame 10" in capfd.readouterr().out

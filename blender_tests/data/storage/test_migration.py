@@ -159,6 +159,7 @@ OPERATORS = (
     *("key_pose", "delete_pose", "jump_to_pose", "clear_poses", "update_pose", "duplicate_pose"),
     *("retime_pose", "step_poses", "generate_inbetweens", "remove_inbetweens", "breakdown", "record_pins"),
     *("edit_sequence", "thin_poses", "transfer_motion", "bake", "refine_mesh"),
+    *("fit_lattice", "add_to_lattice", "apply_lattice", "solve_to_targets", "bake_targets"),
 )
 
 

@@ -16,6 +16,7 @@ from typing import Literal
 
 from ..plane.axes import Orientation, PlaneAxes
 from ..posing.posing import Sample
+from ..posing.spreading import growth
 from .numeric import Numeric
 
 Mode = Literal["MOVE", "ROTATE", "SPREAD"]
@@ -70,9 +71,7 @@ class Drag:
     @property
     def letters(self) -> str:
         """The keys that lock an axis."""
-        if self.mode != "MOVE":
-            return ""
-        return "".join(dict.fromkeys((*self.global_axes.letters, *self.local_axes.letters)))
+        return "" if self.mode == "ROTATE" else "XYZ"
 
     def moved(self, point: Point) -> Drag:
         """After the mouse went to `point`."""
@@ -97,21 +96,23 @@ class Drag:
         return None if numeric is None else replace(self, numeric=numeric)
 
     def _locked(self, letter: str) -> Drag:
-        """To the global axis of this letter, then to the local one, as far as they lie in the plane, then to
-        none."""
-        orders: list[Orientation] = ["GLOBAL", "LOCAL"]
-        named = {"GLOBAL": self.global_axes, "LOCAL": self.local_axes}
-        if letter == self.lock:
-            orders = orders[orders.index(self.orientation) + 1 :]
-        found = next((order for order in orders if letter in named[order].letters), None)
-        lock = "" if found is None else letter
-        return replace(self, lock=lock, orientation=found or "GLOBAL", numeric=_no_numbers(self.mode, lock))
+        """To the global axis of this letter, then to the local one, then to none.
+
+        An axis that does not lie in the plane leaves nothing that could be moved.
+        """
+        order: Orientation = "GLOBAL"
+        lock = letter
+        if letter == self.lock and self.orientation == "GLOBAL":
+            order = "LOCAL"
+        elif letter == self.lock:
+            lock = ""
+        return replace(self, lock=lock, orientation=order, numeric=_no_numbers(self.mode, lock))
 
     @property
     def sample(self) -> Sample:
         """(du, dv, angle) since the start: world lengths along the plane's u and v, and radians.
 
-        Of SPREAD the first is the share by which distances from the pivot have grown.
+        Of SPREAD as posing/spreading.py has it.
         """
         if self.mode == "ROTATE":
             if self.numeric.active:
@@ -119,11 +120,19 @@ class Drag:
             step = PRECISE_TURN_STEP if self.precise else TURN_STEP
             return (0.0, 0.0, self._snap(self._by_mouse[2], step))
         if self.mode == "SPREAD":
-            if self.numeric.active:
-                return (self.numeric.values[0] - 1.0, 0.0, 0.0)
-            step = SPREAD_STEP * (PRECISE if self.precise else 1.0)
-            return (max(self._snap(self._by_mouse[0], step), -1.0), 0.0, 0.0)
+            if not self.lock:
+                return growth(self.grown)
+            axis = self.axes.along(self.lock)
+            return (0.0, 0.0, 0.0) if axis is None else growth(self.grown, axis)
         return (*self.axes.offset(self._values), 0.0)
+
+    @property
+    def grown(self) -> float:
+        """The share by which a spread makes distances from the pivot grow."""
+        if self.numeric.active:
+            return self.numeric.values[0] - 1.0
+        step = SPREAD_STEP * (PRECISE if self.precise else 1.0)
+        return max(self._snap(self._by_mouse[0], step), -1.0)
 
     @property
     def text(self) -> str:
@@ -132,16 +141,23 @@ class Drag:
             shown = self.numeric.shown(0) if self.numeric.active else f"{math.degrees(self.sample[2]):.2f}"
             return f"Turn Pins: {shown}°"
         if self.mode == "SPREAD":
-            shown = self.numeric.shown(0) if self.numeric.active else f"{1.0 + self.sample[0]:.4f}"
-            return f"Spread Pins: {shown}"
+            shown = self.numeric.shown(0) if self.numeric.active else f"{1.0 + self.grown:.4f}"
+            return f"Spread Pins: {shown}{self._along}"
         letters = (self.lock,) if self.lock else self.axes.letters
-        values = dict(zip(self.axes.letters, self._values, strict=True))
+        values = {self.lock: 0.0, **dict(zip(self.axes.letters, self._values, strict=True))}
         numbers = [
             f"{letter}: {self.numeric.shown(i) if self.numeric.active else format(values[letter], '.4f')}"
             for i, letter in enumerate(letters)
         ]
-        along = f" along {self.orientation.lower()} {self.lock}" if self.lock else ""
-        return f"Move Pins: {'   '.join(numbers)}   ({math.hypot(*self._values):.4f}){along}"
+        return f"Move Pins: {'   '.join(numbers)}   ({math.hypot(*self._values):.4f}){self._along}"
+
+    @property
+    def _along(self) -> str:
+        """How the header names the lock."""
+        if not self.lock:
+            return ""
+        across = "" if self.axes.along(self.lock) else ", which does not lie in the drawing"
+        return f" along {self.orientation.lower()} {self.lock}{across}"
 
     @property
     def _values(self) -> Point:
@@ -156,7 +172,8 @@ class Drag:
             du, dv, _ = self._by_mouse
             first, second = (self._snap(value, step) for value in self.axes.values((du, dv)))
         letters = self.axes.letters
-        return first if self.lock != letters[1] else 0.0, second if self.lock != letters[0] else 0.0
+        free = [self.lock in ("", letter) for letter in letters]
+        return first if free[0] else 0.0, second if free[1] else 0.0
 
     def _snap(self, value: float, step: float) -> float:
         return step * round(value / step) if self.snapped else value

@@ -30,6 +30,11 @@ def axis_across(counts: Counts, shapes: Iterable[Array32]) -> int | None:
     return None
 
 
+def layers_across(counts: Counts, axis: int) -> list[Indices]:
+    """The numbers of the points of each layer across an axis, in their order."""
+    return [np.sort(layer, axis=None) for layer in np.moveaxis(_numbers(counts), axis, 0)]
+
+
 def cells_across(counts: Counts, axis: int) -> Indices:
     """The corners of each cell of each layer across an axis, m x 4, turned alike."""
     layers = np.moveaxis(_numbers(counts), axis, 0)

@@ -15,6 +15,8 @@ import numpy as np
 from ... import native
 from ..plane.frame import Array, Indices
 
+LEAST_SHARE = 1e-3  # pins that follow the lattice less than this do not lead it
+
 
 @dataclass(frozen=True, eq=False)
 class PinPlaces:
@@ -58,8 +60,11 @@ class LedMotion:
         count = self.places.shares.shape[1]
         points = found[:, :count]
         gaps = found[:, count:] - self.places.of(points)
+        follows = self.places.shares.sum(axis=1)
         latest = np.searchsorted(self.times, times, "right") - 1
         for frame, transition in enumerate(np.clip(latest, 0, len(self.leading) - 1)):
             pins = self.leading[int(transition)]
-            points[frame] += gaps[frame, pins].mean(axis=0)
+            share = follows[pins].mean()
+            if share > LEAST_SHARE:
+                points[frame] += gaps[frame, pins].mean(axis=0) / share
         return np.ascontiguousarray(points)

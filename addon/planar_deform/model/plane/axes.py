@@ -31,6 +31,11 @@ class PlaneAxes:
         (a, b), (c, d) = self.first, self.second
         return a * offset[0] + b * offset[1], c * offset[0] + d * offset[1]
 
+    def along(self, letter: str) -> Pair | None:
+        """Where the axis of this name points in the plane's coordinates; None where it leaves the plane."""
+        named = dict(zip(self.letters, (self.first, self.second), strict=True))
+        return named.get(letter)
+
     def offset(self, values: Pair) -> Pair:
         """The offset in the plane's coordinates that goes this far along each axis."""
         (a, b), (c, d) = self.first, self.second

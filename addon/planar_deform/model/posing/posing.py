@@ -223,26 +223,27 @@ def carried_path(
         if path and edited == recorded:
             return list(path)
         if recorded == 0.0:
-            return [(edited.real * t, edited.imag * t, turn * t) for t in _ramp()]
+            return [(edited.real * t, edited.imag * t, turn * t) for t in ramp()]
         ratio = edited / recorded
-        carried = [(complex(u, v) * ratio, a) for u, v, a in _thinned(path)[:-1]] + [(edited, turn)]
+        carried = [(complex(u, v) * ratio, a) for u, v, a in thinned(path)[:-1]] + [(edited, turn)]
         return [(z.real, z.imag, a) for z, a in carried]
     if angle is not None:
         wanted = float(np.float32(angle))
         if path and wanted == turn:
             return list(path)
         if turn == 0.0:
-            return [(du * t, dv * t, wanted * t) for t in _ramp()]
-        return [(u, v, a * (wanted / turn)) for u, v, a in _thinned(path)[:-1]] + [(du, dv, wanted)]
+            return [(du * t, dv * t, wanted * t) for t in ramp()]
+        return [(u, v, a * (wanted / turn)) for u, v, a in thinned(path)[:-1]] + [(du, dv, wanted)]
     return list(path)
 
 
-def _thinned(path: list[Sample]) -> list[Sample]:
+def thinned(path: list[Sample]) -> list[Sample]:
     """At most RAMP_SAMPLES of the path, the last one among them, none equal to the one before."""
     moves = [sample for sample, before in zip(path, [None, *path], strict=False) if sample != before]
     last, steps = len(moves) - 1, min(len(moves), RAMP_SAMPLES)
     return [moves[last - (steps - 1 - step) * last // max(1, steps - 1)] for step in range(steps)]
 
 
-def _ramp() -> list[float]:
+def ramp() -> list[float]:
+    """Shares of a straight way."""
     return [step / RAMP_SAMPLES for step in range(1, RAMP_SAMPLES + 1)]

@@ -18,7 +18,7 @@ from ...model.posing.pins import Holder
 from ...model.posing.posing import Posing, Sample, Solved
 from ...scene.lattice.posed import begin_posing
 from ...scene.objects import modifiers
-from ...scene.pins import pin_list
+from ...scene.pins import pin_list, pose_holding
 from ...scene.view import snapshot
 from .. import keying
 
@@ -83,6 +83,7 @@ class ObjectPosing:
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
         self._settling = settling
+        self._unheld = pose_holding.unheld(obj, self._distortion) if obj.type == "MESH" else None
         self._pivot = (
             None if pivot is None else self.drawing.from_world(np.array([pivot], dtype=np.float64))[0]
         )
@@ -113,8 +114,8 @@ class ObjectPosing:
         chosen += [pin for pin in self._pins if pin.key in self._moving]
         return Holder(chosen[0], self.drawing.cutout) if chosen else None
 
-    def run(self, path: list[Sample], *, settle: bool) -> None:
-        """Take the pins along a path, here and now, and end with what is reached.
+    def run(self, path: list[Sample], *, settle: bool) -> str | None:
+        """Take the pins along a path, here and now, and end with what is reached; as finish() tells.
 
         Raises Refusal, with everything as it was.
         """
@@ -122,7 +123,7 @@ class ObjectPosing:
             self.solve(path, settle=settle)
             solved = self.model.solved()
             self._write(solved.positions)
-            self.finish(solved)
+            return self.finish(solved)
         except Exception:
             self.cancel()
             raise
@@ -164,11 +165,16 @@ class ObjectPosing:
         self._kept_before = self._kept_before or pin_list.SavedResults(obj)
         pin_list.store_results(obj, self.drawing, solved.results)
 
-    def finish(self, solved: Solved) -> None:
-        """End it with this, which is shown; auto-key keys it."""
+    def finish(self, solved: Solved) -> str | None:
+        """End it with this, which is shown; auto-key keys it. What the user is to be told."""
         self.keep(solved)
-        if bpy.context.object == self.drawing.resolve():
-            keying.auto_key(bpy.context)
+        told = [] if self._unheld is None else [self._unheld]
+        if (
+            bpy.context.object == self.drawing.resolve()
+            and (keyed := keying.auto_key(bpy.context)) is not None
+        ):
+            told.append(keyed)
+        return ". ".join(told) or None
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""
@@ -186,6 +192,10 @@ class ObjectPosing:
         after = selection_on_click(self._selected_before, self._pressed, self._extend)
         self._select(after)
         return after != self._selected_before or self._active_before != self._pressed
+
+    def _distortion(self) -> native.Distortion:
+        cutout = self.drawing.cutout
+        return native.distortion(cutout.rest, self.drawing.positions, cutout.triangles)
 
     def _write(self, positions: Array) -> None:
         self._wrote = True

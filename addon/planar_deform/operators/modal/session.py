@@ -278,9 +278,11 @@ class Interactive:
         """End it with what is shown."""
         session = self._session
         assert session.shown is not None  # something has been asked for, and was waited for
-        session.posing.finish(session.shown)
+        told = session.posing.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
+        if told is not None:
+            self.report({"INFO"}, told)
         return {"FINISHED"}
 
     def leave(self) -> None:

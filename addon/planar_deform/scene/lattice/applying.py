@@ -60,7 +60,8 @@ def _deformed(lattice: bpy.types.Object, obj: bpy.types.Object, modifier: bpy.ty
     places = mapped(shown, linear_of(obj)) + origin_of(obj)
     grid = read_grid(lattice)
     weights = weights_at(lattice, grid, places, factors_of(obj, modifier))
-    of_points = mapped(store_of(lattice, unkeyed=True).shown[:, :3] - grid.co, linear_of(lattice))
+    now = store_of(lattice, unkeyed=True).shown[grid.layers[0], :3]
+    of_points = mapped(now - grid.co, linear_of(lattice))
     moved = mapped(displacements(weights, of_points), np.linalg.inv(linear_of(obj)))
     keys = obj.data.shape_keys
     basis = points.read(obj) if keys is None else points.read_block(obj, keys.reference_key)

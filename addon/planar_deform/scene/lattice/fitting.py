@@ -13,7 +13,7 @@ from mathutils.kdtree import KDTree
 from ...errors import Refusal
 from ...model.lattice.fitting import fitted_box
 from ...model.plane.frame import Array, mapped, plane_frame
-from ..objects.flat_object import is_flat, linear_of, origin_of
+from ..objects.flat_object import data_refusal, is_flat, linear_of, origin_of
 from ..objects.pose_store import store_of
 from ..objects.triangulation import faces_of
 from ..storage.vertex_groups import members
@@ -25,10 +25,9 @@ def refusal(objects: Sequence[bpy.types.Object]) -> str | None:
     if not meshes:
         return "No meshes are selected: select what the lattice is to deform"
     for obj in meshes:
-        if obj.library is not None:
-            return f"'{obj.name}' is linked: make it local with Object > Relations > Make Local"
-        if obj.mode != "OBJECT":
-            return f"'{obj.name}' is in another mode: leave that first"
+        reason = data_refusal(obj, "OBJECT")
+        if reason is not None:
+            return reason
         if not obj.data.polygons:
             return f"'{obj.name}' has no faces, which pins need: deselect it"
     return None

@@ -20,7 +20,7 @@ from ...model.posing.pins import Holder
 from ..objects.cutout_object import EDGE_ON
 from ..objects.flat_object import FlatObject
 from ..objects.pose_store import store_of
-from ..storage import shape_keys
+from ..storage import points, shape_keys
 from .rig import LatticeRig
 
 
@@ -50,10 +50,10 @@ class PosedLattice(FlatObject):
         )
         self._count = len(rig.rest)
         rest = np.concatenate([self._shape.rest, self._shape.points])
-        points = mapped(self._store.shown[:, :3], self._linear) + self._origin
-        self.positions = self._in_frame(np.concatenate([rig.shown(points), points]) - self._origin)
+        shown = mapped(self._store.shown[rig.grid.layers[0], :3], self._linear) + self._origin
+        self.positions = self._in_frame(np.concatenate([rig.shown(shown), shown]) - self._origin)
         self.cutout = posed_cutout(
-            self._in_frame(rest), rig.triangles, rig.connected, len(points), flat=self.flat
+            self._in_frame(rest), rig.triangles, rig.connected, len(shown), flat=self.flat
         )
 
     # -- reading
@@ -79,12 +79,15 @@ class PosedLattice(FlatObject):
         poser.reset(positions)
         return poser
 
-    def rows_held(self, pinned: bpy.types.Object | None, points: Indices) -> Indices:
+    def rows_held(self, pinned: bpy.types.Object | None, numbers: Indices) -> Indices:
         """The rows of vertices of an object, or of the lattice's points (None); -1 for what has none."""
         if pinned is None:
-            there = points < len(self.positions) - self._count
-            return np.where(there, points + self._count, -1).astype(np.int32)
-        return self._rig.rows_of(pinned, points)
+            rows = np.full(max(self.count, int(numbers.max(initial=-1)) + 1), -1, np.int32)
+            for layer in self._rig.grid.layers:
+                rows[layer] = np.arange(len(layer), dtype=np.int32) + self._count
+            found: Indices = rows[numbers]
+            return found
+        return self._rig.rows_of(pinned, numbers)
 
     def vertices_held(self, rows: Indices) -> tuple[bpy.types.Object, Indices]:
         """Whose vertices rows are, and which."""
@@ -123,9 +126,9 @@ class PosedLattice(FlatObject):
         return found if found is not None and found.distance <= within else None
 
     @property
-    def lattice_points(self) -> Array:
-        """World positions of the lattice's points, N x 3."""
-        return self.to_world(self.positions[self._count :])
+    def lattice_points(self) -> tuple[Indices, Array]:
+        """Numbers of the lattice's points, of the first one of two equal layers, and where they are."""
+        return self._rig.grid.layers[0], self.to_world(self.positions[self._count :])
 
     # -- writing
 
@@ -142,7 +145,7 @@ class PosedLattice(FlatObject):
 
     def rest_coordinates(self) -> Array32:
         """The regular lattice, such a shape."""
-        return self._rig.grid.co
+        return points.read_regular(self.resolve())
 
     def _moved(self, begin: Array32, positions: Array, share: Array) -> Array32:
         start, end = (rows[self._count :] for rows in (self.positions, positions))
@@ -151,15 +154,18 @@ class PosedLattice(FlatObject):
         if self._rig.flat_axis is not None:
             offsets[:, self._rig.flat_axis] = 0.0  # but for rounding it is
         shape = begin.copy()
-        with np.errstate(over="ignore"):
-            shape[moved, :3] = shape[moved, :3] + offsets / share[moved]  # float64 until it is stored
-        if not np.isfinite(shape[moved, :3]).all():
+        for layer in self._rig.grid.layers:
+            rows = layer[moved]
+            with np.errstate(over="ignore"):
+                shape[rows, :3] = shape[rows, :3] + offsets / share[rows]  # float64 until it is stored
+        if not np.isfinite(shape).all():
             raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
         return shape
 
     def write_rest(self) -> None:
         """Take the pose away, to the bit: the lattice is as regular as it was made."""
-        rest = self._store.rest(self.resolve(), self._rig.grid.co)
+        obj = self.resolve()
+        rest = self._store.rest(obj, points.read_regular(obj))
         if rest is not None:
             self._put(rest)
 

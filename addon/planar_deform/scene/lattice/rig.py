@@ -19,11 +19,12 @@ import numpy as np
 
 from ... import native
 from ...errors import Refusal
+from ...model.lattice.cells import EQUAL, Counts, layers_across
 from ...model.plane.frame import Array, Array32, Indices, mapped
 from ..objects.flat_object import linear_of, origin_of
 from ..objects.pose_store import store_of
 from ..objects.triangulation import Faces, faces_of
-from ..storage import changes
+from ..storage import changes, points
 from ..storage.vertex_groups import members
 
 CAPACITY = 4  # lattices; what is kept of one with 20k vertices takes some 10 MB
@@ -45,10 +46,14 @@ RigState = tuple[Any, ...]  # equal as long as a rig would be read the same
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A lattice's points at rest, and how they share the space between them."""
+    """A lattice's points at rest, and how they share the space between them.
 
-    counts: tuple[int, int, int]
+    Two equal layers are one: what a vertex takes of both is what it would take of a single one.
+    """
+
+    counts: Counts
     kinds: tuple[native.LatticeBasis, ...]
+    layers: list[Indices]  # N numbers of points each: one, or both that are equal
     co: Array32  # N x 3, in the lattice's own space
     group: Array | None  # N, weights of the lattice's own vertex group
 
@@ -105,9 +110,8 @@ class LatticeRig:
 
     @property
     def flat_axis(self) -> int | None:
-        """The only axis of the lattice with but one point; None for a lattice in space."""
-        single = [axis for axis, count in enumerate(self.grid.counts) if count == 1]
-        return single[0] if len(single) == 1 else None
+        """The axis across a flat lattice; None for a lattice in space."""
+        return self.grid.counts.index(1) if 1 in self.grid.counts else None
 
     @cached_property
     def starts(self) -> list[int]:
@@ -146,9 +150,9 @@ class LatticeRig:
             np.concatenate([part.weights[2] for part in self.parts]),
         )
 
-    def shown(self, points: Array) -> Array:
+    def shown(self, places: Array) -> Array:
         """Where the rows are shown, n x 3, with the lattice's points at N x 3 places in the world."""
-        return self.rest + displacements(self.weights, points - self.points_at_rest)
+        return self.rest + displacements(self.weights, places - self.points_at_rest)
 
     @property
     def meshes(self) -> list[bpy.types.Object]:
@@ -240,7 +244,7 @@ def forget() -> None:
 def read_grid(lattice: bpy.types.Object) -> Grid:
     """The lattice at rest. Raises Refusal."""
     data = lattice.data
-    counts = data.points_u, data.points_v, data.points_w
+    counts: Counts = (data.points_u, data.points_v, data.points_w)
     if sum(count > 1 for count in counts) < 2:
         raise Refusal(f"'{lattice.name}' has one point in two axes: raise its Resolution in the Data tab")
     if data.use_outside:
@@ -250,15 +254,21 @@ def read_grid(lattice: bpy.types.Object) -> Grid:
     moving = [modifier.name for modifier in lattice.modifiers if modifier.show_viewport]
     if moving:
         raise Refusal(f"Modifier '{moving[0]}' moves points of '{lattice.name}': apply it, or hide it")
-    co = np.empty(len(data.points) * 3, np.float32)
-    data.points.foreach_get("co", co)
-    group = None
+    regular, group = points.read_regular(lattice), None
+    layers = [np.arange(len(regular), dtype=np.int32)]
     if data.vertex_group and data.vertex_group in lattice.vertex_groups:
         index = lattice.vertex_groups[data.vertex_group].index
         shares = ([e.weight for e in point.groups if e.group == index] for point in data.points)
         group = np.array([share[0] if share else 0.0 for share in shares])
-    kinds = data.interpolation_type_u, data.interpolation_type_v, data.interpolation_type_w
-    return Grid(counts, tuple(BASES[kind] for kind in kinds), co.reshape(-1, 3), group)
+    elif counts.count(2) == 1 and 1 not in counts:
+        both = layers_across(counts, counts.index(2))
+        shown = store_of(lattice, unkeyed=True).shown
+        first, second = (shown[layer] - regular[layer] for layer in both)
+        if np.abs(first - second).max() <= EQUAL * float(np.ptp(shown, axis=0).max()):
+            layers, (u, v, w) = both, (1 if count == 2 else count for count in counts)
+            counts = u, v, w
+    types = data.interpolation_type_u, data.interpolation_type_v, data.interpolation_type_w
+    return Grid(counts, tuple(BASES[kind] for kind in types), layers, regular[layers[0]], group)
 
 
 def _read_part(

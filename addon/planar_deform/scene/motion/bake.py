@@ -19,7 +19,7 @@ from ...model.timing.played_curve import SAME_FRAME
 from ..objects.any_object import shape_refusal
 from ..sequence import playback, pose_edit, pose_showing, pose_state
 from ..sequence.pose_blocks import keyed, own_curve
-from ..storage import points
+from ..storage import points, shape_keys
 from . import cache_age, point_cache
 
 FORMS = (
@@ -145,7 +145,7 @@ def to_relative_keys(obj: bpy.types.Object, frames: range) -> Generator[float, N
     obj.shape_key_add(name="Basis", from_mix=False)
     names = []
     for frame, shape in zip(frames, shapes, strict=True):
-        block = obj.shape_key_add(name=f"Frame {frame}", from_mix=False)
+        block = obj.shape_key_add(name=shape_keys.baked_name(frame), from_mix=False)
         points.write_block(block, shape)
         names.append(block.name)
     obj.active_shape_key_index = 0

@@ -156,9 +156,9 @@ class CutoutObject(FlatObject):
         flat: Array = frame.flatten(mapped(place[None, :], self._linear))[0]
         return flat
 
-    def rows_held(self, _pinned: bpy.types.Object | None, points: Indices) -> Indices:
+    def rows_held(self, _pinned: bpy.types.Object | None, numbers: Indices) -> Indices:
         """As rows_of(): the vertices that pins hold are the object's own."""
-        return self.rows_of(points)
+        return self.rows_of(numbers)
 
     def vertices_held(self, rows: Indices) -> tuple[bpy.types.Object, Indices]:
         """Whose vertices rows are, and which."""

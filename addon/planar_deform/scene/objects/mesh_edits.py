@@ -29,6 +29,7 @@ _keyed: dict[int, bool] = {}
 # these had been edited. What takes poses and in-betweens along alike leaves them so.
 _inbetweens: dict[int, list[tuple[int, bool]]] = {}
 
+ROUNDING = 1e-5  # of coordinates that Blender has transformed in float32
 INTERPOLATED = 4  # an owner's number may be off by, as Blender's weights do not quite add up to 1
 
 
@@ -63,6 +64,9 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
         done = affine_between(seen[rows], present[rows])
         if done is not None:
             _carry(obj, done, done.turns_over(seen[rows]))
+        if done is not None and _explains(done, seen[rows], present[rows]):
+            for pose, by_hand in _inbetweens.get(obj.session_uid, []):
+                stretches.mark(obj, [pose], edited=by_hand)
         if done is not None and rest is not None:
             rest[rows] = done.of(rest[rows])
     if rest is not None and (joined or done is not None):
@@ -91,7 +95,9 @@ def is_followed(obj: bpy.types.Object) -> bool:
     if obj.library is not None or mesh.library is not None or mesh.override_library is not None:
         return False
     if rest_shape.owners_of(mesh) is None and rest_shape.stored_of(mesh) is None:
-        return obj.is_property_set("planar") and len(obj.planar.pins) > 0 and not migration.is_newer(obj)
+        if not obj.is_property_set("planar") or migration.is_newer(obj):
+            return False
+        return len(obj.planar.pins) > 0 or len(obj.planar.poses) > 0
     return not migration.is_newer(obj)
 
 
@@ -104,6 +110,31 @@ def owner_of(mesh: bpy.types.Mesh) -> int:
     """The number of a mesh that has been followed."""
     owners = rest_shape.owners_of(mesh)
     return 0 if owners is None or not len(owners) else int(owners[0])
+
+
+def was_keyed(owner: int) -> bool:
+    """Whether a mesh with this number had shape keys when it was last seen; as if, where it never was."""
+    return _keyed.get(owner, True)
+
+
+def left_behind(owner: int) -> bpy.types.Mesh | None:
+    """The mesh with this number that a join has left without a user."""
+    for mesh in bpy.data.meshes:
+        if not mesh.users - mesh.use_fake_user and owner_of(mesh) == owner:
+            return mesh
+    return None
+
+
+def see(obj: bpy.types.Object) -> None:
+    """What the mesh is now is as it was last seen: it has been changed by what follows it."""
+    rest_shape.see(obj.data, rest_shape.reference(obj))
+    _keyed[owner_of(obj.data)] = obj.data.shape_keys is not None
+    _inbetweens[obj.session_uid] = _up_to_date(obj)
+
+
+def up_to_date(obj: bpy.types.Object) -> dict[int, bool]:
+    """Behind which poses in-betweens were up to date when last seen, and whether these had been edited."""
+    return dict(_inbetweens.get(obj.session_uid, ()))
 
 
 def is_elsewhere(owner: int, mesh: bpy.types.Mesh) -> bool:
@@ -161,7 +192,7 @@ def _take_in_all(
     for owner in np.unique(owners[~own & (owners != 0)]).tolist():
         rows = owners == owner
         joined[owner] = _take_in(obj.data, rows, rest, seen, present)
-        if rest is not None and pose_state.is_ours(obj) and not _keyed.get(owner, True):
+        if rest is not None and pose_state.is_ours(obj) and not was_keyed(owner):
             _give_basis(obj, rows, rest, present)
     for part in joined.values():
         owners[part.rows] = owners[0]
@@ -208,11 +239,15 @@ def _give_basis(obj: bpy.types.Object, rows: Mask, rest: Array32, present: Array
     points.update(obj)
 
 
+def _explains(done: Affine, before: Array32, after: Array32) -> bool:
+    """Whether a map tells of all vertices where they are by now: what takes poses along takes in-betweens."""
+    gap = np.abs(done.of(before) - after).max()
+    return bool(gap <= ROUNDING * np.abs(after).max())
+
+
 def _carry(moved: bpy.types.Object, done: Affine, turned_over: bool) -> None:
-    """What is stored of the pins follows, and in-betweens belong to the poses as they are by now."""
+    """What is stored of the pins follows."""
     mesh = moved.data
-    for pose, edited in _inbetweens.get(moved.session_uid, []):
-        stretches.mark(moved, [pose], edited=edited)
     for place in mesh.planar_seen.places:
         place.place = done.of(np.array([place.place]))[0]
     for obj in bpy.data.objects:

@@ -36,7 +36,7 @@ class Drawing(Protocol):
     positions: Array
     stiffness_stamp: str
 
-    def rows_held(self, pinned: bpy.types.Object | None, points: Indices) -> Indices:
+    def rows_held(self, pinned: bpy.types.Object | None, numbers: Indices) -> Indices:
         """The rows of vertices of an object, or of a lattice's own points (None); -1 for what has none."""
 
     def vertices_held(self, rows: Indices) -> tuple[bpy.types.Object, Indices]:

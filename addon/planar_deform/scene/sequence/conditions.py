@@ -19,7 +19,7 @@ WHAT = ("pins", "scale", "timing")
 class Conditions:
     """Of an object, in short."""
 
-    pins: str  # which vertices the enabled ones hold
+    pins: str  # which vertices, or points of a lattice, the enabled ones hold
     scale: str  # in the plane, of the object alone; empty while it is animated
 
     def of(self, durations: Sequence[float], transition: int, smooth: bool) -> str:
@@ -34,14 +34,23 @@ class Conditions:
 
 def conditions(obj: bpy.types.Object) -> Conditions:
     """Cheap as long as the object's vertex groups stay what they are."""
-    pins = [pin.group for pin in obj.planar.pins if pin.enabled] if obj.type == "MESH" else []
-    return Conditions(digests.of_groups(obj, pins) if pins else "", _scale(obj))
+    return Conditions(_pins(obj), _scale(obj))
 
 
 def changed(then: str, now: str) -> list[str]:
     """What of the conditions is another than it was; nothing where it is not known."""
     pairs = zip(WHAT, then.split("|"), now.split("|"), strict=False)
     return [what for what, before, after in pairs if then and before != after]
+
+
+def _pins(obj: bpy.types.Object) -> str:
+    enabled = [pin for pin in obj.planar.pins if pin.enabled]
+    if obj.type == "MESH":
+        return digests.of_groups(obj, [pin.group for pin in enabled]) if enabled else ""
+    held = [str(pin.lattice_point) for pin in enabled if pin.lattice_point >= 0]
+    for pinned in {pin.object for pin in enabled if pin.object is not None}:
+        held.append(digests.of_groups(pinned, [pin.group for pin in enabled if pin.object == pinned]))
+    return digests.digest(",".join(sorted(held)).encode()) if held else ""
 
 
 def _scale(obj: bpy.types.Object) -> str:

@@ -24,17 +24,10 @@ class Held(NamedTuple):
 
 def held(obj: bpy.types.Object) -> list[Held]:
     """The keyed poses that the steps of the curve pass over."""
-    curve = shown_curve(obj.data.shape_keys) if pose_state.is_ours(obj) else None
-    if curve is None:
+    curve, steps = _stepped(obj)
+    if curve is None or steps is None:
         return []
-    steps = [
-        modifier
-        for modifier in curve.modifiers
-        if modifier.type == "STEPPED" and not modifier.mute and modifier.frame_step > 1.0
-    ]
-    if not steps:
-        return []
-    step, offset = steps[-1].frame_step, steps[-1].frame_offset
+    step, offset = steps.frame_step, steps.frame_offset
     found = []
     for index, pose in enumerate(obj.planar.poses):
         frames = pose_state.frames_of(obj, index)
@@ -44,3 +37,31 @@ def held(obj: bpy.types.Object) -> list[Held]:
         ):
             found.append(Held(index, frames[0], after[0] - step, after[0]))
     return found
+
+
+def shown_for(obj: bpy.types.Object, frame: float) -> float:
+    """The frame whose drawing is seen at a frame: on twos the one before, at each second frame."""
+    _, steps = _stepped(obj)
+    if steps is None:
+        return frame
+    if (steps.use_frame_start and frame < steps.frame_start) or (
+        steps.use_frame_end and frame > steps.frame_end
+    ):
+        return frame
+    # Blender cuts the rest off, before the offset as well.
+    whole = math.trunc((frame - steps.frame_offset) / steps.frame_step)
+    return float(steps.frame_offset + steps.frame_step * whole)
+
+
+def _stepped(
+    obj: bpy.types.Object,
+) -> tuple[bpy.types.FCurve | None, bpy.types.FModifierStepped | None]:
+    """The curve of the poses, and what lets each frame stay for several."""
+    curve = shown_curve(obj.data.shape_keys) if pose_state.is_ours(obj) else None
+    modifiers = [] if curve is None else curve.modifiers
+    steps = [
+        modifier
+        for modifier in modifiers
+        if modifier.type == "STEPPED" and not modifier.mute and modifier.frame_step > 1.0
+    ]
+    return curve, steps[-1] if steps else None

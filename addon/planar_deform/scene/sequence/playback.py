@@ -222,7 +222,7 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
             if record.get("copy_of") not in there:
                 record["copy_of"] = ""
             listed.append((eval_time, record))
-    _write_list(obj, listed)
+    write_list(obj, listed)
     for index, pose in enumerate(poses):
         if pose.at == active_at:
             obj.planar.active_pose = index
@@ -231,7 +231,7 @@ def _list(obj: bpy.types.Object, blocks: Sequence[Block], at: Array, moved: Mapp
         obj.planar.curve_before = ""  # the curve is as it would be without having been filled
 
 
-def _write_list(obj: bpy.types.Object, listed: Sequence[tuple[float, Record]]) -> None:
+def write_list(obj: bpy.types.Object, listed: Sequence[tuple[float, Record]]) -> None:
     """Let the list have these poses, by their eval_times.
 
     What it has becomes other poses and stays in memory: this may be done while Blender sets a property of one
@@ -344,7 +344,7 @@ class _Undo:
                 setattr(block, setting, value)
         if self._still and (still := block_at(keys, STILL)) is not None:
             take_out(obj, still)
-        _write_list(obj, self._poses)
+        write_list(obj, self._poses)
         for name, value in self._before.items():
             setattr(settings, name, value)
         settings.active_pose = self._active_pose

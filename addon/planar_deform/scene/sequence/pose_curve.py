@@ -21,6 +21,7 @@ _PAIRS = ("co", "handle_left", "handle_right")
 _TYPES = ("handle_left_type", "handle_right_type")
 _NUMBERS = ("back", "amplitude", "period")
 _ENUMS = (*_TYPES, "interpolation", "easing", "type")
+_WAYS = ("interpolation", "easing", "type")
 _FLAGS = ("select_control_point", "select_left_handle", "select_right_handle")
 
 
@@ -95,6 +96,46 @@ def _numbers(curve: bpy.types.FCurve, field: str, kind: type) -> _Column:
 def number_of(field: str, name: str) -> int:
     """Blender's number of one of the values of a key's enum."""
     return int(bpy.types.Keyframe.bl_rna.properties[field].enum_items[name].value)
+
+
+KeySettings = dict[str, _Column]  # by field
+
+
+def key_settings(curve: bpy.types.FCurve) -> KeySettings:
+    """What keys have beside their places, handles and amplitude."""
+    numbers: KeySettings = {field: _numbers(curve, field, np.float32) for field in ("back", "period")}
+    return numbers | {field: _numbers(curve, field, np.int32) for field in _WAYS}
+
+
+def settings_of_new(count: int, new: KeyEase) -> KeySettings:
+    """The same for keys of one ease."""
+    enums = {"interpolation": new.interpolation, "easing": new.easing, "type": "KEYFRAME"}
+    found: KeySettings = {
+        field: np.full(count, number_of(field, name), np.int32) for field, name in enums.items()
+    }
+    found["back"], found["period"] = np.full(count, 1.70158, np.float32), np.zeros(count, np.float32)
+    return found
+
+
+def ways(curve: bpy.types.FCurve) -> tuple[Array, Mask]:
+    """What tells the way behind each key, k x 4, and whether handles and nothing else do (k,)."""
+    settings = key_settings(curve)
+    names = ("interpolation", "easing", "back", "period")
+    found: Array = np.stack([np.asarray(settings[name], np.float64) for name in names], axis=1)
+    bezier: Mask = found[:, 0] == number_of("interpolation", "BEZIER")
+    found[bezier, 1:] = 0.0
+    return found, bezier
+
+
+def replace(curve: bpy.types.FCurve, wanted: Rows, settings: KeySettings) -> None:
+    """Give a curve these keys in place of its own."""
+    points = curve.keyframe_points
+    points.clear()
+    points.add(len(wanted.keys))
+    points.foreach_set("co", wanted.keys.ravel())
+    for field, values in settings.items():
+        points.foreach_set(field, values)
+    write_rows(curve, wanted)
 
 
 def remove_keys(keys: bpy.types.Key, chosen: Mask) -> None:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 
 import bpy
 import numpy as np
@@ -153,12 +153,12 @@ def put_in(
 
 
 def _name(keys: bpy.types.Key, new: Mapping[float, Block]) -> None:
-    """Names like those that Blender gives."""
-    taken = {block.name for block in keys.key_blocks}
-    free = (
-        name
-        for name in itertools.chain([POSE_KEY], (f"{POSE_KEY}.{number:03}" for number in itertools.count(1)))
-        if name not in taken
-    )
+    names = free_names({block.name for block in keys.key_blocks})
     for frame in sorted(new):
-        new[frame].name = next(free)
+        new[frame].name = next(names)
+
+
+def free_names(taken: Container[str]) -> Iterator[str]:
+    """Names of new poses, like those that Blender gives."""
+    numbered = (f"{POSE_KEY}.{number:03}" for number in itertools.count(1))
+    return (name for name in itertools.chain([POSE_KEY], numbered) if name not in taken)

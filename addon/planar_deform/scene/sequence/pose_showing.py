@@ -63,6 +63,15 @@ def undone() -> None:
     ]
 
 
+def keep(obj: bpy.types.Object) -> None:
+    """Show the unkeyed pose of an object again after Blender has read its curve, which has become another.
+
+    It does so behind the handlers of the present update, and tells of the next one only if there is one.
+    """
+    _brought_back.append(obj.name)
+    bpy.app.timers.register(keep_brought_back, first_interval=0.0)
+
+
 def keep_brought_back() -> None:
     """Blender has read the curves anew: show these unkeyed poses again."""
     names = _brought_back.copy()

@@ -42,7 +42,7 @@ def refusal(obj: bpy.types.Object) -> str | None:
         return "Only the active shape key is shown: turn off Shape Key Lock in the Shape Keys panel"
     ours = has_blocks(obj)
     reason = _own_blocks_refusal(keys) if ours else _foreign_blocks_refusal(keys)
-    return reason or _animation_refusal(keys, ours)
+    return reason or animation_refusal(keys, ours=ours)
 
 
 def _own_blocks_refusal(keys: bpy.types.Key) -> str | None:
@@ -67,7 +67,8 @@ def _foreign_blocks_refusal(keys: bpy.types.Key) -> str | None:
     return None
 
 
-def _animation_refusal(keys: bpy.types.Key, ours: bool) -> str | None:
+def animation_refusal(keys: bpy.types.Key, *, ours: bool = True) -> str | None:
+    """Why the curve of shape keys, of a sequence if they are `ours`, cannot be edited; None when it can."""
     animation = keys.animation_data
     if animation is None:
         return None

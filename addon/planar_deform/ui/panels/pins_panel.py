@@ -11,6 +11,7 @@ import numpy as np
 from ...scene.lattice.posed import posing_refusal
 from ...scene.objects import modifiers
 from ...scene.pins.pin_list import pinned_object
+from ...scene.pins.pose_holding import unheld
 from ...scene.view import coarseness, snapshot
 from .tab import PlanarPanel, lines
 
@@ -91,6 +92,9 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
                 context,
             )
             layout.operator("planar.refine_mesh", icon="MOD_SUBSURF")
+        told = _unheld(obj, seen) if reason is None and seen is not None else None
+        if told is not None:
+            lines(layout, told, "INFO", context)
         settings = obj.planar
         row = layout.row()
         row.template_list("PLANAR_UL_pins", "", settings, "pins", settings, "active_pin", rows=4)
@@ -101,6 +105,12 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         row.operator("planar.remove_pins", text="", icon="REMOVE")
         if 0 <= settings.active_pin < len(settings.pins):
             _draw_pin(layout, context, settings.pins[settings.active_pin], settings.active_pin)
+
+
+def _unheld(obj: bpy.types.Object, seen: snapshot.Snapshot) -> str | None:
+    """What the pins do not hold of the pose, unless a drag is moving them."""
+    distortion = seen.distortion
+    return None if distortion is None or snapshot.following(obj) else unheld(obj, lambda: distortion)
 
 
 class PLANAR_MT_add_pins(bpy.types.Menu):

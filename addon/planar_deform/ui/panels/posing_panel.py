@@ -8,6 +8,7 @@ import bpy
 from ... import compat
 from ...scene.objects import modifiers, stiffness
 from ...scene.objects.any_object import is_outline
+from ...scene.storage import shape_keys
 from ...scene.view import snapshot
 from .tab import PlanarPanel, lines
 
@@ -46,6 +47,10 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("planar.reset_selected_pins")
         row.operator("planar.settle_pose")
+        baked = None if obj.data.shape_keys is None else shape_keys.baked_key(obj)
+        if baked is not None:
+            text = f"Baked: posing changes this frame alone, in shape key '{baked.name}'"
+            lines(layout, text, "INFO", context)
         shifting = modifiers.shifting(obj) if obj.type == "MESH" else []
         if shifting:
             names = ", ".join(shifting)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The menu of pins, on the right mouse button over one."""
+"""The menus of the right mouse button: of pins, over one, and of the drawing, beside them."""
 
 from __future__ import annotations
 
@@ -32,4 +32,29 @@ class PLANAR_MT_pin_context(bpy.types.Menu):
         layout.operator("planar.remove_pins", icon="X")
 
 
-CLASSES = (PLANAR_MT_pin_context,)
+class PLANAR_MT_drawing_context(bpy.types.Menu):
+    bl_idname = "PLANAR_MT_drawing_context"
+    bl_label = "Drawing"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.operator_context = "INVOKE_REGION_WIN"
+        layout.operator("planar.key_pose", icon="KEY_HLT")
+        layout.separator()
+        layout.operator("planar.copy_pose", icon="COPYDOWN")
+        layout.operator("planar.paste_pose", icon="PASTEDOWN")
+        layout.operator("planar.mirror_pose", icon="MOD_MIRROR")
+        layout.separator()
+        layout.operator("planar.settle_pose")
+        layout.operator("planar.reset_to_rest")
+        layout.separator()
+        for text, action in (("Select All", "ALL"), ("Select None", "NONE"), ("Invert Selection", "INVERT")):
+            layout.operator("planar.select_pins", text=text).action = action
+        layout.operator("planar.box_select_pins")
+        layout.separator()
+        layout.operator("planar.remove_pins", text="Remove Selected Pins", icon="X")
+        layout.separator()
+        layout.menu("VIEW3D_MT_object_context_menu", text="Object")
+
+
+CLASSES = (PLANAR_MT_pin_context, PLANAR_MT_drawing_context)

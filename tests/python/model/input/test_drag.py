@@ -97,9 +97,19 @@ def test_a_lock_keeps_one_axis_first_the_global_then_the_local_then_none() -> No
     assert press(drag, "X", "X").sample == (1.0, 0.0, 0.0)
     assert press(drag, "X", "X").orientation == "LOCAL"
     assert press(drag, "X", "X", "X").sample == (1.0, 2.0, 0.0)
-    assert drag.pressed("Y") is None, "not an axis of this plane"
     assert rotate().pressed("X") is None, "a turn in a plane has one axis"
-    assert spread().pressed("X") is None
+
+
+def test_an_axis_that_leaves_the_plane_moves_nothing() -> None:
+    for drag, free in (
+        (move().moved((2.0, 4.0)), (1.0, 2.0, 0.0)),
+        (spread().moved((1.0, 5.0)), (1.0, 1.0, 0.0)),
+    ):
+        assert press(drag, "Y").sample == (0.0, 0.0, 0.0)
+        assert "along global Y, which does not lie in the drawing" in press(drag, "Y").text
+        assert press(drag, "Y", "Y").sample == (0.0, 0.0, 0.0), "nor is there a local one"
+        assert press(drag, "Y", "Y", "Y").sample == free
+        assert press(drag, "Y", "THREE").sample == (0.0, 0.0, 0.0)
 
 
 def test_locks_of_a_turned_drawing_follow_the_global_axes() -> None:
@@ -117,28 +127,41 @@ def test_locks_of_a_turned_drawing_follow_the_global_axes() -> None:
 def test_locks_of_an_imported_drawing_whose_own_z_leaves_its_plane() -> None:
     drag = move(own=LYING).moved((2.0, 4.0))
     assert press(drag, "Z").sample == (0.0, 2.0, 0.0)
-    assert press(drag, "Z", "Z").sample == (1.0, 2.0, 0.0), "there is no local Z to move along: free"
-    assert press(drag, "Y").sample == (0.0, 2.0, 0.0), "there is no global Y: the local one at once"
-    assert press(drag, "Y").text == "Move Pins: Y: 2.0000   (2.0000) along local Y"
-    assert press(drag, "Y", "Y").sample == (1.0, 2.0, 0.0)
-    assert press(drag, "Y", "X").orientation == "GLOBAL"
+    assert press(drag, "Z", "Z").sample == (0.0, 0.0, 0.0), "its own Z is across it"
+    assert press(drag, "Y").sample == (0.0, 0.0, 0.0), "and so is the world's Y"
+    assert press(drag, "Y", "Y").sample == (0.0, 2.0, 0.0)
+    assert press(drag, "Y", "Y").text == "Move Pins: Y: 2.0000   (2.0000) along local Y"
+    assert press(drag, "Y", "Y", "Y").sample == (1.0, 2.0, 0.0)
+    assert press(drag, "Y", "Y", "X").orientation == "GLOBAL"
 
 
 def test_a_spread_follows_the_distance_from_the_pivot() -> None:
     drag = spread()
     assert drag.sample == (0.0, 0.0, 0.0)
-    assert drag.moved((1.0, 5.0)).sample == (1.0, 0.0, 0.0), "twice as far, whatever the direction"
-    assert drag.moved((1.5, 1.0)).sample == (-0.75, 0.0, 0.0)
-    assert drag.moved((1.0, 1.0)).sample == (-1.0, 0.0, 0.0)
+    assert drag.moved((1.0, 5.0)).sample == (1.0, 1.0, 0.0), "twice as far, whatever the direction"
+    assert drag.moved((1.5, 1.0)).sample == (-0.75, -0.75, 0.0)
+    assert drag.moved((1.0, 1.0)).sample == (-1.0, -1.0, 0.0)
     assert drag.moved((1.25, 1.0)).held(shift=False, ctrl=True).sample[0] == pytest.approx(-0.9)
     precise = drag.moved((5.0, 1.0)).held(shift=True, ctrl=False)
-    assert precise.sample == (1.0, 0.0, 0.0), "Shift does not jump"
+    assert precise.sample == (1.0, 1.0, 0.0), "Shift does not jump"
     assert precise.moved((7.0, 1.0)).sample[0] == pytest.approx(1.0 + PRECISE)
-    assert press(drag, "TWO", "PERIOD", "FIVE").sample == (1.5, 0.0, 0.0), "a typed number is the factor"
+    assert press(drag, "TWO", "PERIOD", "FIVE").sample == (1.5, 1.5, 0.0), "a typed number is the factor"
     assert press(drag, "TWO").text == "Spread Pins: 2|"
     assert drag.moved((1.0, 5.0)).text == "Spread Pins: 2.0000"
     near = Drag.begin("SPREAD", UPRIGHT, UPRIGHT, (1.0, 1.0), (1.0, 1.0), 0.5).moved((1.5, 1.0))
-    assert near.sample == (1.0, 0.0, 0.0), "a mouse on the pivot is not thrown to infinity"
+    assert near.sample == (1.0, 1.0, 0.0), "a mouse on the pivot is not thrown to infinity"
+
+
+def test_a_spread_along_an_axis_leaves_the_other_as_it_is() -> None:
+    drag = spread().moved((1.0, 5.0))
+    assert press(drag, "X").sample == (1.0, 0.0, 0.0)
+    assert press(drag, "Z").sample == (0.0, 1.0, 0.0)
+    assert press(drag, "X").text == "Spread Pins: 2.0000 along global X"
+    assert press(drag, "X", "X", "X").sample == (1.0, 1.0, 0.0)
+    assert press(drag, "Z", "THREE").sample == (0.0, 2.0, 0.0)
+    turned = Drag.begin("SPREAD", TURNED, UPRIGHT, (1.0, 1.0), (3.0, 1.0)).moved((1.0, 5.0))
+    assert press(turned, "X").sample == pytest.approx((0.36, 0.64, -0.48))
+    assert press(turned, "X", "X").sample == (1.0, 0.0, 0.0)
 
 
 def test_turns_add_up_beyond_a_half() -> None:

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether the pose that is shown is one that the pins hold, or was made by others, or by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+
+from ... import native
+
+# Of a triangle: 2 is undistorted. What is less distorted is hardly seen to go.
+DISTORTED = 2.02
+
+
+def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion]) -> str | None:
+    """What the next drag does to a pose that no pin of the object has made; None where that is nothing.
+
+    `distortion`: of the shape that is shown. Hold Shape gives the shape that belongs to the pins: whatever
+    none of them holds goes back to rest.
+    """
+    enabled = [pin for pin in obj.planar.pins if pin.enabled]
+    if obj.planar.method != "HOLD" or not enabled or any(pin.has_target for pin in enabled):
+        return None
+    found = distortion()
+    if max(found.triangle_area.max(), found.triangle_angle.max()) <= DISTORTED:
+        return None
+    return (
+        "These pins have not made the pose: a drag takes what they do not hold back to rest. Pin all that is "
+        "to stay, or use Set Rest to Current"
+    )
