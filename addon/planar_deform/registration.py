@@ -33,7 +33,7 @@ from .operators import (
 from .scene import properties
 from .ui import menus
 from .ui.draw import gestures, mesh_edges, onion_skin, quality
-from .ui.panels import bake_panel, motion_panel, pins_panel, poses_panel, posing_panel
+from .ui.panels import bake_panel, lattice_panel, motion_panel, pins_panel, poses_panel, posing_panel
 from .ui.tool import gizmos, hint, pin_menu, pose_tool
 
 # Each has CLASSES, and register() and unregister() where these are not all; those run with the classes in.
@@ -71,6 +71,7 @@ MODULES = (
     pins_panel,
     posing_panel,
     poses_panel,
+    lattice_panel,
     motion_panel,
     bake_panel,
     menus,
