@@ -32,6 +32,7 @@ import cutout  # noqa: E402
 import dragon  # noqa: E402
 import film  # noqa: E402
 import fox  # noqa: E402
+import lattices  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
 import puppet  # noqa: E402
@@ -40,7 +41,8 @@ from contact_sheet import View  # noqa: E402
 from drawing import Layer  # noqa: E402
 
 Cell = tuple[str, str, Image.Image]  # label, note, picture
-STAGE = View.around(4.85, -0.55, 6.1, 1120, 464)  # what the film shows
+STAGE = View.around(8.9, -0.55, 6.1, 1400, 372)  # what the film shows
+LATTICES = (13.9, 18.0)  # where those stand that lattices deform
 SHEET_STEP = 4  # frames from one picture of the film's sheet to the next
 
 
@@ -116,9 +118,10 @@ def run(pictures: Path | None) -> None:
         obj.select_set(False)
         obj.hide_render = True  # until the film: the next one's pictures show what is behind it, too
 
+    in_lattices = bend()
     out = ROOT / "out"
     out.mkdir(exist_ok=True)
-    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared)
+    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared + [in_lattices])
     sheet.save(out / "contact_sheet.png", optimize=True)
     film_sheet = make_film(cast, out / "demo.mp4")
     film_sheet.save(out / "film_sheet.png", optimize=True)
@@ -129,11 +132,38 @@ def run(pictures: Path | None) -> None:
     if pictures:
         images |= {"contact_sheet": sheet, "film": film_sheet}
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
+        images["lattices"] = contact_sheet.sheet("Posed by one lattice each", [in_lattices])
         images["methods"] = contact_sheet.sheet("The same drags by both methods", compared)
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
     wrote = ("demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png")
     print(f"Wrote {', '.join(f'out/{name}' for name in wrote)}; {time.perf_counter() - start:.1f} s in all")
+
+
+def bend() -> list[Cell]:
+    """Poses and keys what lattices deform; cells of it."""
+    end = bpy.context.scene.frame_end - film.HOLD
+    pins = {"Near Foot": ("Body", -0.34, 0.12), "Far Foot": ("Body", 0.51, 0.12), "Hips": ("Body", 0.03, 1.7),
+            "Head": ("Body", 0.08, 3.4), "Tail": ("Tail", -1.8, 2.45), "Hand": ("Waving Arm", -1.18, 1.34),
+            "Lantern": ("Lantern Arm", 1.28, 0.9)}  # fmt: skip
+    paper = lattices.layered(fox.layers(), pins, LATTICES[0], 0.08)
+    bows = [
+        lattices.Act("Bow", {"Head": (0.7, -0.25), "Tail": (-0.1, 0.5), "Hand": (-0.25, 0.45)}),
+        lattices.Act("Reach", {"Head": (-0.35, 0.2), "Lantern": (0.25, 0.55), "Tail": (0.1, -0.35)}),
+    ]
+    cells = lattices.perform(paper, bows, APART, end)
+    for obj in paper.objects:
+        obj.hide_render = True
+    ears = {"Chin": (0.0, -0.75), "Brow": (0.0, 0.55), "Left Ear": (-1.2, 0.3), "Right Ear": (1.0, 0.3)}
+    bust = lattices.model(LATTICES[1], 1.9, 1.5, {name: (1.5 * x, 1.5 * z) for name, (x, z) in ears.items()})
+    ways = [
+        lattices.Act("Listen", {"Left Ear": (-0.35, 0.7), "Right Ear": (0.1, 0.9), "Chin": (0.15, 0.0)}),
+        lattices.Act("Droop", {"Left Ear": (0.3, -0.8), "Right Ear": (-0.3, -0.8), "Brow": (0.0, 0.35)}),
+    ]
+    cells += lattices.perform(bust, ways, APART, end)
+    for lattice in (paper.lattice, bust.lattice):
+        lattice.select_set(False)
+    return cells
 
 
 def build(character: Character) -> bpy.types.Object:
@@ -223,7 +253,8 @@ def swing(character: Character, obj: bpy.types.Object) -> Image.Image:
 def make_film(cast: Sequence[Character], path: Path) -> Image.Image:
     """Renders the film of what is on the timeline; a sheet of its frames."""
     scene = bpy.context.scene
-    stage = film.build_stage(STAGE, {character.x: character.stance for character in cast})
+    standing = {character.x: character.stance for character in cast}
+    stage = film.build_stage(STAGE, standing | {LATTICES[0]: 2.2, LATTICES[1]: 3.0})
     scene.collection.objects.link(stage)
     for obj in scene.objects:
         obj.hide_render = False

@@ -22,6 +22,7 @@ from .errors import ObjectGone, Refusal
 from .scene.inbetweens import planning, writing
 from .scene.motion import bake, point_cache
 from .scene.objects.any_object import read_shape
+from .scene.objects.lattice_object import in_space
 from .scene.sequence import pose_state
 from .scene.storage import points
 
@@ -120,8 +121,8 @@ def _scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
 def _work(name: str, options: argparse.Namespace) -> None:
     obj = bpy.data.objects[name]
     try:
-        alone = options.object is None and len(obj.planar.poses) < 2  # nobody has asked for it by name
-        if options.generate and not alone:
+        unasked = options.object is None and (len(obj.planar.poses) < 2 or in_space(obj))
+        if options.generate and not unasked:
             drawing = read_shape(obj)
             plan = planning.plan(drawing)
             shapes = plan.solve(_reporter(f"{name}: solving in-betweens"))

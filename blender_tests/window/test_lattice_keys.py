@@ -8,7 +8,8 @@ import numpy as np
 from cutouts import active, moved
 from harness import Window
 from poses import go_to
-from test_lattice_posing import LEFT, RIGHT, beside, place, ready
+from test_lattice_posing import LEFT, RIGHT, beside, place, points, ready
+from test_record import done, start, up_and_on
 
 
 def shown(name: str) -> np.ndarray:
@@ -114,3 +115,35 @@ def test_a_drag_on_a_key_changes_that_pose_and_elsewhere_goes_with_the_frame(
     assert moved(meshes(), between) > 0.1, "what the first drag has left"
     yield from go_to(5)
     assert moved(at(6), between) == 0.0
+
+
+def test_the_motion_of_a_pin_is_recorded_and_escape_discards_it(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    for spot in (LEFT, RIGHT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    own, before = points(), meshes()
+    yield from start(window)
+    yield from up_and_on(window, 5)
+    assert moved(meshes(), before) > 0.02
+    yield from window.key("ESC")
+    yield from window.release()
+    yield from done(window)
+    assert active().data.shape_keys is None
+    assert np.array_equal(points(), own)
+    yield from start(window)
+    yield from up_and_on(window, 12)
+    yield from window.release()
+    yield from done(window)
+    frames = sorted(int(pose.frame) for pose in active().planar.poses)
+    assert frames[0] == 1, window.reports()
+    assert len(frames) >= 13
+    heights = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        heights.append(place(1)[2])
+        assert np.allclose(place(0), LEFT, atol=0.05)
+    assert heights[-1] > 0.5, heights
+    assert np.diff(heights).min() > -0.02, "the motion was upwards"
+    yield from window.undo()
+    assert active().data.shape_keys is None, "one undo step"
+    assert np.array_equal(points(), own)

@@ -14,8 +14,10 @@ from ..errors import Refusal
 from ..model.input.recording import Layer, Poses, Recording, smoothed
 from ..model.plane.frame import Array
 from ..model.posing.posing import Sample, Solved
+from ..scene.lattice.posed import begin_posing, posing_refusal
+from ..scene.objects import modifiers
 from ..scene.objects.any_object import key_poses
-from ..scene.objects.cutout_object import CutoutObject, begin
+from ..scene.objects.lattice_object import in_space
 from ..scene.pins import pin_list
 from ..scene.sequence import pose_state
 from ..scene.view import snapshot
@@ -98,7 +100,11 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        return super().refusal(context) or pose_state.refusal(context.object)
+        obj = context.object
+        reason = posing_refusal(obj) or modifiers.covering(obj) or pose_state.refusal(obj)
+        if reason is None and in_space(obj):
+            return f"'{obj.name}' is a lattice in space, and motion is recorded in a plane: key poses instead"
+        return reason
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
@@ -291,14 +297,13 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
     def _keep(self, context: bpy.types.Context, posing: ObjectPosing, poses: Poses) -> None:
         """Key the poses; the last one is shown, and the pins hold it."""
         drawing = posing.drawing
-        assert isinstance(drawing, CutoutObject)  # no other is recorded
         drawing.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
         by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
         key_poses(drawing, by_frame, throughout=True)
         solved = poses.last
         assert solved is not None  # all of them are solved
-        pin_list.store_results(context.object, begin(context), solved.results)
+        pin_list.store_results(context.object, begin_posing(context), solved.results)
 
     def cancel(self, context: bpy.types.Context) -> None:
         if self._waiting is None:

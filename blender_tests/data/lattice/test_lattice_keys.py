@@ -1,65 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lattice's poses over time: keyed, listed, filled in and baked as those of a drawing."""
+"""A lattice's poses over time: keyed, listed, baked, carried as those of a drawing."""
+
+import base64
 
 import bpy
 import numpy as np
 import pytest
-from filling import stale
+from lattice_poses import (
+    bend,
+    keyed,
+    length,
+    length_of,
+    place_of,
+    rest_of,
+    shear,
+    shown,
+    shown_at,
+    two_layers,
+)
+from lattice_scenes import lattice, layered, pin_at, points, solid
 from sequences import curve_of, go_to, same
 from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
-from test_lattice_posing import TURNED, deform, lattice, layered, pin_at, points, solid, world
-
-
-def bend(cage, amount, turn=0.0):
-    """Show the lattice bent and turned in its plane."""
-    from planar_deform.scene.objects.any_object import begin_shape
-
-    activate(cage)
-    drawing = begin_shape(bpy.context)
-    rotation = [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
-    drawing.write(bent(drawing.rest, amount) @ np.array(rotation))
-
-
-def bent(rest, amount):
-    """n x 2 positions of a bar bent about its middle by an angle that grows to `amount` from end to end."""
-    middle, width = rest.mean(axis=0), np.ptp(rest[:, 0])
-    along, across = (rest - middle).T
-    angle = amount * along / width
-    radius = width / amount
-    return middle + np.stack(
-        [(radius - across) * np.sin(angle), radius - (radius - across) * np.cos(angle)], axis=1
-    )
-
-
-def shown(*objects):
-    return [evaluated(obj) for obj in objects]
-
-
-def keyed(cage, objects, amounts):
-    """Poses bent, or bent and turned, by each amount (by frame), and what the meshes show there."""
-    result = {}
-    for frame, amount in amounts.items():
-        activate(cage)
-        go_to(frame)
-        bend(cage, *np.atleast_1d(amount))
-        assert bpy.ops.planar.key_pose() == {"FINISHED"}
-        result[frame] = shown(*objects)
-    return result
-
-
-def shown_at(objects, frame):
-    go_to(frame)
-    return shown(*objects)
-
-
-def two_layers(matrix=TURNED):
-    """A flat lattice of two equal layers about one drawing."""
-    drawing = make_object(*grid(12, 6), name="Drawing")
-    cage = lattice((9, 8, 2), (3.6, 2.2, 1.0), (1.0, 0.55, 0.0), matrix=matrix)
-    drawing.matrix_world = matrix.copy()
-    deform(drawing, cage)
-    activate(cage)
-    return cage, drawing
 
 
 @pytest.mark.parametrize("build", [layered, solid, two_layers])
@@ -100,19 +61,6 @@ def test_a_keyed_pose_is_what_was_dragged_and_a_drag_at_a_key_changes_it():
     for now, then in zip(shown_at((back, front), 10), changed, strict=True):
         np.testing.assert_array_equal(now, then)
     assert len(cage.planar.poses) == 2
-
-
-def test_what_is_posed_between_keys_goes_with_the_frame_until_it_is_keyed():
-    cage, back, front = layered()
-    pin_at(front, 3)
-    keyed(cage, (back, front), {1: 0.3, 9: -0.6})
-    go_to(5)
-    between = shown(back, front)
-    assert bpy.ops.planar.drag_pins(offset=(0.3, 0.2)) == {"FINISHED"}
-    assert not np.array_equal(evaluated(front), between[1])
-    go_to(6)
-    for now, then in zip(shown_at((back, front), 5), between, strict=True):
-        np.testing.assert_array_equal(now, then)
 
 
 def test_auto_key_keys_every_drag():
@@ -161,119 +109,6 @@ def test_the_pose_key_of_a_lattice_is_taken_over_and_given_back():
     assert same(coordinates(cage.data.shape_keys.key_blocks["Pose"].data), before)
 
 
-@pytest.mark.parametrize("build", [layered, two_layers])
-@pytest.mark.parametrize("transform", ["none", "rotated", "stretched", "mirrored"])
-def test_in_betweens_swing_and_what_is_keyed_stays(build, transform):
-    cage, *objects = build(matrix=TRANSFORMS[transform])
-    poses = keyed(cage, objects, {1: 0.01, 13: (0.5, 2.2)})
-    activate(cage)
-    lengths = {}
-    for way in ("blended", "generated"):
-        if way == "generated":
-            assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
-        go_to(7)
-        lengths[way] = length(cage)
-    straight = length_of(rest_of(cage))
-    assert lengths["blended"] < 0.6 * straight
-    assert abs(lengths["generated"] - straight) < 0.02 * straight
-    for frame, pose in poses.items():
-        for now, then in zip(shown_at(objects, frame), pose, strict=True):
-            np.testing.assert_allclose(now, then, atol=2e-6 * max(1.0, np.abs(then).max()))
-    generated = shown_at(objects, 7)
-    assert bpy.ops.planar.remove_inbetweens() == {"FINISHED"}
-    assert not np.allclose(shown_at(objects, 7)[0], generated[0], atol=1e-2)
-
-
-def shear(obj):
-    """As a parent with unequal scales does it."""
-    parent = bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(parent)
-    obj.parent, obj.matrix_parent_inverse = parent, TRANSFORMS["sheared"]
-
-
-def rest_of(cage):
-    from planar_deform.scene.objects.any_object import read_shape
-
-    return read_shape(cage).rest
-
-
-def length(cage):
-    from planar_deform.scene.objects.any_object import read_shape
-
-    return length_of(read_shape(cage).positions)
-
-
-def length_of(positions):
-    """From left to right through the middle of the first layer (9 points along u, 8 along v)."""
-    row = (positions[27:36] + positions[36:45]) / 2.0
-    return np.linalg.norm(np.diff(row, axis=0), axis=1).sum()
-
-
-def place_of(obj, vertices):
-    return world(obj, evaluated(obj)[vertices]).mean(axis=0)
-
-
-@pytest.mark.parametrize("path", ["STRAIGHT", "ARC"])
-@pytest.mark.parametrize("smooth", [False, True])
-def test_a_pin_that_stands_in_both_poses_stands_between_them(path, smooth):
-    cage, back, front = layered()
-    pin_at(back, 14)
-    pin_at(front, 20)
-    held = place_of(back, [14])
-    go_to(1)
-    assert bpy.ops.planar.key_pose() == {"FINISHED"}
-    go_to(13)
-    bpy.ops.planar.rotate_pins(angle=1.2, pivot=held.tolist())
-    bpy.ops.planar.drag_pins(offset=(-0.5, 0.9))
-    size = np.linalg.norm(np.ptp(world(back, evaluated(back)), axis=0))
-    start = np.linalg.norm(place_of(back, [14]) - held)
-    assert start < 6e-3
-    assert bpy.ops.planar.key_pose() == {"FINISHED"}
-    poses = {frame: shown_at((back, front), frame) for frame in (1, 13)}
-    assert bpy.ops.planar.generate_inbetweens(path=path, smooth=smooth) == {"FINISHED"}
-    for frame in range(2, 13):
-        go_to(frame)
-        assert np.linalg.norm(place_of(back, [14]) - held) < start + 1e-4 * size
-    for frame, pose in poses.items():
-        for now, then in zip(shown_at((back, front), frame), pose, strict=True):
-            np.testing.assert_allclose(now, then, atol=2e-6)
-    assert len(cage.planar.pins) == 2
-
-
-def test_a_point_of_the_lattice_that_is_pinned_stands_too():
-    cage, back, _ = layered()
-    assert bpy.ops.planar.add_pin(lattice_point=31) == {"FINISHED"}
-    pin_at(back, 12)
-    go_to(1)
-    assert bpy.ops.planar.key_pose() == {"FINISHED"}
-    held = points(cage)[31]
-    go_to(13)
-    bpy.ops.planar.drag_pins(offset=(-0.9, 1.2))
-    assert bpy.ops.planar.key_pose() == {"FINISHED"}
-    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
-    block = cage.data.shape_keys.key_blocks[cage.planar.poses[1].name]
-    end = np.array(block.data[31].co)
-    for inbetween in cage.data.shape_keys.key_blocks[3:-1]:
-        gap = np.abs(np.array(inbetween.data[31].co) - held).max()
-        assert gap <= np.abs(end - held).max() + 1e-4
-
-
-def test_in_betweens_are_stale_when_other_pins_hold_the_lattice():
-    cage, back, front = layered()
-    pin_at(back, 14)
-    pin_at(front, 20)
-    keyed(cage, (back, front), {1: 0.3, 13: (0.5, 1.0)})
-    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
-    assert stale(cage) == []
-    cage.planar.pins[0].enabled = False
-    bpy.context.view_layer.update()
-    assert stale(cage) == [(0, 1)]
-    cage.planar.pins[0].enabled = True
-    assert stale(cage) == []
-    assert bpy.ops.planar.add_pin(lattice_point=0) == {"FINISHED"}
-    assert stale(cage) == [(0, 1)]
-
-
 def test_the_onion_skin_is_the_border_of_the_lattice():
     from planar_deform.scene.view.onion import of_active
 
@@ -286,68 +121,6 @@ def test_the_onion_skin_is_the_border_of_the_lattice():
     for shape, pose in ((onion.before, 0), (onion.behind, 1)):
         block = cage.data.shape_keys.key_blocks[cage.planar.poses[pose].name]
         np.testing.assert_array_equal(shape, coordinates(block.data))
-
-
-def test_equal_layers_stay_equal_in_between():
-    cage, drawing = two_layers()
-    keyed(cage, [drawing], {1: 0.01, 13: 2.5})
-    activate(cage)
-    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
-    from planar_deform.scene.objects.any_object import read_shape
-
-    for frame in (4, 7, 10):
-        go_to(frame)
-        first, second = read_shape(cage).positions.reshape(2, -1, 2)
-        np.testing.assert_allclose(first, second, atol=2e-4)
-
-
-def test_a_key_with_cells_turned_over_does_not_hinder_in_betweens():
-    cage, *objects = layered()
-    keyed(cage, objects, {1: 0.3, 9: -1.2})
-    for block in cage.data.shape_keys.key_blocks:
-        if block.name == cage.planar.poses[1].name:
-            block.data[40].co.x += 0.4
-            block.data[41].co = block.data[42].co
-    go_to(9)
-    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
-    assert np.isfinite(shown_at(objects, 5)[0]).all()
-
-
-def test_depth_between_poses_goes_in_proportion():
-    cage, *objects = layered()
-    keyed(cage, objects, {1: 0.3, 9: -1.2})
-    for point in cage.data.shape_keys.key_blocks[cage.planar.poses[1].name].data:
-        point.co.z += 0.8
-    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
-    go_to(1)
-    start = shown(*objects)[0][:, 2]
-    heights = [np.median(shown_at(objects, frame)[0][:, 2] - start) for frame in (3, 5, 9)]
-    scale = heights[2]
-    np.testing.assert_allclose(heights, scale * np.array([0.25, 0.5, 1.0]), atol=1e-5)
-
-
-def test_of_a_lattice_in_space_blenders_blend_is_told_and_a_breakdown_lies_on_it():
-    cage, sheet = solid()
-    keyed(cage, [sheet], {1: 0.3, 9: -1.2})
-    activate(cage)
-    with pytest.raises(RuntimeError, match="is a lattice in space, between whose poses Blender blends"):
-        bpy.ops.planar.generate_inbetweens()
-    go_to(5)
-    start, end = shown_at([sheet], 1)[0], shown_at([sheet], 9)[0]
-    go_to(5)
-    assert bpy.ops.planar.breakdown(percent=25.0) == {"FINISHED"}
-    np.testing.assert_allclose(evaluated(sheet), 0.75 * start + 0.25 * end, atol=2e-6)
-    assert [pose.frame for pose in cage.planar.poses] == [1, 5, 9]
-
-
-def test_a_breakdown_of_a_flat_lattice_swings():
-    cage, *objects = layered()
-    keyed(cage, objects, {1: 0.01, 13: (0.5, 2.2)})
-    activate(cage)
-    go_to(7)
-    assert bpy.ops.planar.breakdown(percent=50.0) == {"FINISHED"}
-    straight = length_of(rest_of(cage))
-    assert abs(length(cage) - straight) < 0.02 * straight
 
 
 def test_shapes_are_baked_to_every_frame():
@@ -447,10 +220,60 @@ def test_poses_in_space_are_not_carried_and_the_reason_is_told(name):
         getattr(bpy.ops.planar, name)()
 
 
-def test_the_motion_of_pins_of_a_lattice_is_not_recorded_and_the_reason_is_told():
-    layered()
-    with pytest.raises(RuntimeError, match="is a lattice"):
+MOVED = [(0.0, 0.0, 0.0), (0.1, 0.05, 0.0), (0.2, 0.2, 0.0), (0.2, 0.4, 0.0), (0.1, 0.5, 0.0)]
+PATH = base64.b64encode(np.array(MOVED, "<f4").tobytes()).decode()
+
+
+@pytest.mark.parametrize("build", [layered, two_layers])
+@pytest.mark.parametrize("transform", ["none", "rotated", "mirrored"])
+def test_the_motion_of_a_pin_is_recorded_and_what_is_pinned_elsewhere_stays(build, transform):
+    cage, *objects = build(matrix=TRANSFORMS[transform])
+    pin_at(objects[0], 0)
+    pin_at(objects[0], 90)
+    held, start = place_of(objects[0], [0]), place_of(objects[0], [90])
+    assert bpy.ops.planar.record_pins(path=PATH, frame=3, smoothing=0.0) == {"FINISHED"}
+    assert [pose.frame for pose in cage.planar.poses] == [3, 4, 5, 6, 7]
+    for frame, (du, dv, _) in enumerate(MOVED, 3):
+        go_to(frame)
+        np.testing.assert_allclose(place_of(objects[0], [0]), held, atol=8e-3)
+        moved = place_of(objects[0], [90]) - start
+        np.testing.assert_allclose(np.linalg.norm(moved), np.hypot(du, dv), atol=8e-3)
+
+
+def test_a_second_recording_lets_the_first_one_go_on():
+    cage, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 20)
+    first = place_of(front, [20])
+    assert bpy.ops.planar.record_pins(path=PATH, frame=1, smoothing=0.0) == {"FINISHED"}
+    go_to(3)
+    recorded = place_of(front, [20])
+    go_to(1)
+    assert bpy.ops.planar.record_pins(pin=0, path=PATH, frame=1, smoothing=0.0) == {"FINISHED"}
+    assert len(cage.planar.poses) == 5
+    go_to(3)
+    np.testing.assert_allclose(place_of(front, [20]), recorded, atol=2e-2)
+    assert np.linalg.norm(recorded - first) > 0.2
+
+
+def test_in_space_nothing_is_recorded_and_the_reason_is_told():
+    solid()
+    with pytest.raises(RuntimeError, match="is a lattice in space, and motion is recorded in a plane"):
         bpy.ops.planar.record_pins()
+
+
+def test_a_pose_goes_from_a_lattice_of_one_layer_to_one_of_two():
+    cage, *_ = layered()
+    bend(cage, 1.1)
+    pose = points(cage)
+    assert bpy.ops.planar.copy_pose() == {"FINISHED"}
+    twin = lattice((9, 8, 2), (1, 1, 1), (0, 0, 0), "Twin")
+    twin.matrix_world = cage.matrix_world.copy()
+    activate(twin)
+    assert bpy.ops.planar.paste_pose() == {"FINISHED"}
+    for layer, depth in zip(points(twin).reshape(2, -1, 3), (-0.5, 0.5), strict=True):
+        np.testing.assert_allclose(layer[:, :2], pose[:, :2], atol=1e-6)
+        np.testing.assert_allclose(layer[:, 2], depth, atol=1e-6)
 
 
 def test_a_motion_is_transferred_to_a_lattice_alike_and_refused_to_another():

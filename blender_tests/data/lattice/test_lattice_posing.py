@@ -4,99 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from mathutils import Euler, Matrix
+from lattice_scenes import deform, lattice, layered, moved_by, pin_at, points, seen, shown, solid, world
+from mathutils import Matrix
 from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
-
-from planar_deform.scene.view import snapshot
-
-TURNED = Matrix.LocRotScale((0.3, 1.0, 2.0), Euler((np.pi / 2, 0.0, 0.2)), (0.7, 0.7, 0.7))  # as imported
-
-
-def lattice(counts, size, location, name="Lattice", matrix=None):
-    """A lattice over a box of this size, `size` and `location` in the space of `matrix`."""
-    data = bpy.data.lattices.new(name)
-    obj = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(obj)
-    data.points_u, data.points_v, data.points_w = counts  # spaced by 1 where it has no object yet
-    obj.matrix_world = (matrix or Matrix()) @ Matrix.LocRotScale(location, None, size)
-    return obj
-
-
-def deform(obj, by):
-    modifier = obj.modifiers.new("Lattice", "LATTICE")
-    modifier.object = by
-    return modifier
-
-
-def layered(matrix=TURNED):
-    """Two layers, 2 x 1 and smaller, in a flat lattice with a free cell about them, which is active."""
-    back = make_object(*grid(12, 6), name="Back")
-    front = make_object(*grid(6, 6, 1.0, 1.0, origin=(1.0, 0.1), depth=0.25), name="Front")
-    # Rest coordinates of a new lattice are from -0.5 to 0.5 of its object's axes.
-    cage = lattice((9, 8, 1), (3.6, 2.2, 1.0), (1.0, 0.55, 0.1), matrix=matrix)
-    for obj in (back, front):
-        obj.matrix_world = matrix.copy()
-        deform(obj, cage)
-    activate(cage)
-    return cage, back, front
-
-
-def solid(matrix=TURNED):
-    """A bent sheet with thickness in a lattice of three dimensions."""
-    vertices, faces = grid(10, 5)
-    vertices = np.array(vertices)
-    vertices[:, 2] = 0.3 * np.sin(2.0 * vertices[:, 0])
-    sheet = make_object(vertices, faces, name="Sheet")
-    cage = lattice((6, 5, 4), (3.6, 2.6, 3.0), (1.0, 0.5, 0.0), matrix=matrix)
-    sheet.matrix_world = matrix.copy()
-    deform(sheet, cage)
-    activate(cage)
-    return cage, sheet
-
-
-def world(obj, points):
-    matrix = np.array(obj.matrix_world)
-    return points.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
-
-
-def shown(obj, vertex):
-    """Where Blender shows a vertex, in the world."""
-    return world(obj, evaluated(obj)[[vertex]])[0]
-
-
-def pin_at(obj, vertex, **options):
-    place = world(obj, coordinates(obj.data.vertices)[[vertex]])[0]
-    assert bpy.ops.planar.add_pin(location=place.tolist(), **options) == {"FINISHED"}
-
-
-def points(cage):
-    return coordinates(cage.data.points, "co_deform")
-
-
-def seen():
-    snapshot.forget()
-    return snapshot.of_active(bpy.context)
-
-
-def moved_by(cage, x, y):
-    """World offset of (x, y) along the lattice's own u and v."""
-    matrix = np.array(cage.matrix_world)[:3, :3]
-    axes = matrix / np.linalg.norm(matrix, axis=0)
-    return axes[:, 0] * x + axes[:, 1] * y
-
-
-def test_pins_on_two_objects_are_vertex_groups_there_in_the_lattices_own_list():
-    cage, back, front = layered()
-    pin_at(back, 0)
-    pin_at(front, 3)
-    assert [pin.object for pin in cage.planar.pins] == [back, front]
-    assert [pin.select for pin in cage.planar.pins] == [False, True]
-    assert [pin.name for pin in cage.planar.pins] == ["Pin", "Pin.001"]
-    assert len(back.vertex_groups) == len(front.vertex_groups) == 1
-    assert not back.planar.pins
-    names = {pin.group for pin in cage.planar.pins}
-    assert len(names) == 2
-    np.testing.assert_allclose(seen().pin(1).place, shown(front, 3), atol=1e-5)
 
 
 @pytest.mark.parametrize("build", [layered, solid])
@@ -150,15 +60,6 @@ def test_a_point_of_the_lattice_is_dragged_in_turn_with_a_pin():
     assert len(cage.planar.pins) == 2
 
 
-def test_points_selected_in_edit_mode_are_pinned():
-    cage, *_ = layered()
-    for index, point in enumerate(cage.data.points):
-        point.select = index in {3, 17}
-    assert bpy.ops.planar.add_pins_from_selected() == {"FINISHED"}
-    assert [pin.lattice_point for pin in cage.planar.pins] == [3, 17]
-    assert all(pin.select for pin in cage.planar.pins)
-
-
 def test_a_patch_is_turned_and_its_angle_is_kept():
     cage, back, _ = layered()
     group = back.vertex_groups.new(name="Hand")
@@ -204,41 +105,6 @@ def test_reset_to_rest_is_rest_to_the_bit():
     np.testing.assert_array_equal(points(cage), coordinates(cage.data.points))
 
 
-def test_removing_a_pin_removes_its_group_from_its_object():
-    cage, back, front = layered()
-    pin_at(back, 0)
-    pin_at(front, 3)
-    assert bpy.ops.planar.remove_pins() == {"FINISHED"}
-    assert len(cage.planar.pins) == 1
-    assert (len(back.vertex_groups), len(front.vertex_groups)) == (1, 0)
-
-
-def test_pins_follow_renamed_groups_and_renamed_objects():
-    cage, back, _ = layered()
-    pin_at(back, 0)
-    back.vertex_groups[0].name = "Nose"
-    back.name = "Face"
-    bpy.context.view_layer.update()
-    bpy.ops.planar.drag_pins(offset=(0.1, 0.0))
-    assert (cage.planar.pins[0].group, cage.planar.pins[0].name) == ("Nose", "Nose")
-
-
-def test_a_lattice_and_its_meshes_that_are_duplicated_are_posed_apart_from_them():
-    cage, back, front = layered()
-    pin_at(back, 0)
-    for obj in (back, front):
-        obj.select_set(True)
-    assert bpy.ops.object.duplicate() == {"FINISHED"}
-    twin = bpy.context.object
-    assert twin != cage
-    pinned = twin.planar.pins[0].object
-    assert pinned not in {back, front}
-    before = points(cage)
-    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.0)) == {"FINISHED"}
-    np.testing.assert_array_equal(points(cage), before)
-    assert not np.array_equal(points(twin), before)
-
-
 def test_in_space_pins_are_moved_across_the_view_at_their_own_depth():
     cage, sheet = solid()
     pin_at(sheet, 0)
@@ -252,23 +118,6 @@ def test_in_space_pins_are_moved_across_the_view_at_their_own_depth():
     assert abs(moved @ facing) < 5e-3
     assert np.linalg.norm(moved) == pytest.approx(np.hypot(0.15, 0.1), abs=1e-2)
     assert cage.planar.pins[1].has_target
-
-
-def test_what_can_not_be_posed_says_why():
-    cage = lattice((3, 3, 1), (1, 1, 1), (0, 0, 0))
-    activate(cage)
-    with pytest.raises(RuntimeError, match="deforms no mesh that is shown"):
-        bpy.ops.planar.add_pin(location=(0, 0, 0))
-    back = make_object(*grid(4, 4), name="Back")
-    deform(back, cage)
-    activate(cage)
-    with pytest.raises(RuntimeError, match="No mesh there"):
-        bpy.ops.planar.add_pin(location=(50, 0, 0))
-    with pytest.raises(RuntimeError, match="no point 9"):
-        bpy.ops.planar.add_pin(lattice_point=9)
-    activate(back)
-    with pytest.raises(RuntimeError, match="no lattice"):
-        bpy.ops.planar.add_pin(lattice_point=1)
 
 
 def test_equal_drags_give_equal_bits():
@@ -297,78 +146,6 @@ def test_saved_and_loaded_it_is_posed_on(tmp_path):
     np.testing.assert_allclose(seen().pin(1).place, held, atol=1e-5)
     assert bpy.ops.planar.drag_pins(pin=0, offset=(0.1, 0.0)) == {"FINISHED"}
     np.testing.assert_allclose(shown(bpy.data.objects["Front"], 20), held, atol=1e-2)
-
-
-@pytest.mark.parametrize("name", ["paint_stiffness", "refine_mesh", "set_rest_to_current"])
-def test_what_only_drawings_have_is_refused_to_a_lattice_with_the_reason(name):
-    cage, back, _ = layered()
-    pin_at(back, 0)
-    with pytest.raises(RuntimeError, match="is a lattice: select one of the meshes"):
-        getattr(bpy.ops.planar, name)()
-    activate(cage)
-
-
-def test_a_linked_lattice_or_one_in_edit_mode_is_refused():
-    cage, back, _ = layered()
-    pin_at(back, 0)
-    bpy.ops.object.mode_set(mode="EDIT")
-    with pytest.raises(RuntimeError, match="Object Mode"):
-        bpy.ops.planar.add_pin(lattice_point=1)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    twin = cage.copy()
-    bpy.context.scene.collection.objects.link(twin)
-    with pytest.raises(RuntimeError, match="shared"):
-        bpy.ops.planar.add_pin(lattice_point=1)
-
-
-def test_a_pin_whose_object_is_no_longer_deformed_holds_nothing_and_the_others_go_on():
-    _, back, front = layered()
-    pin_at(back, 0)
-    pin_at(front, 3)
-    front.modifiers.clear()
-    bpy.context.view_layer.update()
-    marks = seen()
-    assert marks.pin(0) is not None
-    assert marks.pin(1) is None
-    assert bpy.ops.planar.drag_pins(pin=0, offset=(0.1, 0.0)) == {"FINISHED"}
-    bpy.data.objects.remove(front)
-    assert seen().pin(0) is not None
-    assert bpy.ops.planar.drag_pins(pin=0, offset=(0.1, 0.0)) == {"FINISHED"}
-
-
-def test_the_radius_of_a_patch_stays_on_its_object():
-    cage, back, front = layered()
-    pin_at(front, 24)
-    assert bpy.ops.planar.set_pin_radius(radius=0.3) == {"FINISHED"}
-    assert cage.planar.pins[0].kind == "PATCH"
-    held = [vertex.index for vertex in front.data.vertices if vertex.groups]
-    assert 4 < len(held) < 49
-    assert not back.vertex_groups
-
-
-def test_what_is_shown_follows_what_is_done_to_the_meshes_and_the_lattice():
-    cage, back, _ = layered()
-    pin_at(back, 12)
-
-    def check():
-        bpy.context.view_layer.update()
-        np.testing.assert_allclose(snapshot.of_active(bpy.context).pin(0).place, shown(back, 12), atol=1e-5)
-
-    check()
-    back.location.x += 0.3
-    check()
-    cage.location.z += 0.2
-    check()
-    cage.data.points[0].co_deform.x += 0.4
-    cage.data.update_tag()
-    check()
-    back.modifiers[0].strength = 0.5
-    check()
-    back.data.vertices[12].co.y += 0.1
-    back.data.update()
-    check()
-    cage.data.interpolation_type_u = "KEY_LINEAR"
-    check()
 
 
 def test_the_active_shape_key_of_a_lattice_is_posed():
@@ -447,34 +224,6 @@ def test_a_flat_lattice_bends_a_solid_thing_without_moving_it_in_depth():
     assert seen().distortion.flipped == 0
 
 
-def test_layers_that_are_joined_keep_their_pins():
-    cage, back, front = layered()
-    pin_at(back, 0)
-    pin_at(front, 48)
-    bpy.ops.planar.drag_pins(offset=(0.1, 0.2))
-    placed = [seen().pin(key).place for key in (0, 1)]
-    activate(back)
-    front.select_set(True)
-    assert bpy.ops.object.join() == {"FINISHED"}
-    activate(cage)
-    marks = seen()
-    for key in (0, 1):
-        np.testing.assert_allclose(marks.pin(key).place, placed[key], atol=1e-5)
-    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.1, 0.0)) == {"FINISHED"}
-    assert [pin.object for pin in cage.planar.pins] == [back, back]
-
-
-def test_an_object_that_is_deleted_is_let_go_by_its_pins():
-    cage, back, front = layered()
-    pin_at(front, 48)
-    pin_at(back, 0)
-    activate(front)
-    assert bpy.ops.object.delete() == {"FINISHED"}
-    activate(cage)
-    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.1, 0.0)) == {"FINISHED"}
-    assert [pin.object for pin in cage.planar.pins] == [None, back]
-
-
 def test_poses_by_pins_are_keyed_and_played():
     cage, back, _ = layered()
     pin_at(back, 0)
@@ -500,20 +249,6 @@ def test_poses_by_pins_are_keyed_and_played():
     scene.frame_set(11)
     np.testing.assert_allclose(shown(back, 12), again, atol=1e-5)
     assert len(cage.planar.poses) == 3
-
-
-def test_a_frame_change_is_followed_by_what_is_shown_without_being_told():
-    cage, back, _ = layered()
-    pin_at(back, 12)
-    scene = bpy.context.scene
-    for frame, offset in ((1, 0.0), (11, 0.3)):
-        scene.frame_set(frame)
-        bpy.ops.planar.drag_pins(offset=(0.0, offset))
-        assert bpy.ops.planar.key_pose() == {"FINISHED"}
-    for frame in (1, 6, 11, 3):
-        scene.frame_set(frame)
-        np.testing.assert_allclose(snapshot.of_active(bpy.context).pin(0).place, shown(back, 12), atol=1e-5)
-    assert cage.planar.poses[1].frame == 11
 
 
 @pytest.mark.parametrize("turn", [(9, 8, 2), (2, 9, 8), (8, 2, 9)])

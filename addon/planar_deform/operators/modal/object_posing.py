@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
 
 import bpy
@@ -15,7 +15,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array
 from ...model.posing import solving
 from ...model.posing.pins import Holder
-from ...model.posing.posing import Posing, Sample, Solved
+from ...model.posing.posing import MOST_REFINEMENTS, Posing, Sample, Solved
 from ...scene.lattice.posed import begin_posing
 from ...scene.objects import modifiers
 from ...scene.pins import pin_list, pose_holding
@@ -137,21 +137,24 @@ class ObjectPosing:
         """
         solving.halt()
         manager = bpy.context.window_manager
-        manager.progress_begin(0, len(path))
+        manager.progress_begin(0, len(path) + MOST_REFINEMENTS * settle)
         began = time.perf_counter()
         try:
-            for count, sample in enumerate(path):
+            for count, sample in enumerate(self._samples(path, settle)):
                 self.model.move(*sample)
                 if seen is not None:
                     seen(self.model.solved())
                 if time.perf_counter() - began > NOTICED:
                     manager.progress_update(count)
-            if settle:
-                self.model.settle()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
         finally:
             manager.progress_end()
+
+    def _samples(self, path: list[Sample], settle: bool) -> Iterator[Sample]:
+        yield from path
+        while settle and not self.model.settled:
+            yield self.model.path[-1]
 
     def show(self, solved: Solved) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""

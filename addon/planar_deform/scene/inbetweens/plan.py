@@ -139,7 +139,7 @@ class Plan:
         """
         before, after = (self._with_places(key) for key in self.keys[transition : transition + 2])
         parts_of = self.drawing.parts
-        if self.places is not None:  # of a lattice with one layer, which is one part
+        if self.places is not None:  # all of a lattice is one part
             parts_of = np.zeros(len(before), np.int32)
         gaps = [np.linalg.norm(before[rows].mean(axis=0) - after[rows].mean(axis=0)) for rows in self.held]
         near = PLANTED * self.drawing.diagonal

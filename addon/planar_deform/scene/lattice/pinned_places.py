@@ -15,22 +15,22 @@ from .rig import read_rig
 
 
 def pinned_places(obj: bpy.types.Object, drawing: LatticeObject) -> PinPlaces | None:
-    """Of the enabled pins that hold something; None without any, or of a lattice with no or two layers."""
-    if not pin_list.has_pins(obj):
+    """Of the enabled pins that hold something; None without any, and in space."""
+    if not drawing.elements or not pin_list.has_pins(obj):
         return None
     try:
         rig = read_rig(obj)
     except Refusal:
         return None  # it deforms nothing that pins can hold at present
-    if rig.flat_axis is None:
-        return None
+    if len(rig.points_at_rest) != len(drawing.rest):
+        return None  # pins see two layers in space, as where the lattice has a vertex group
     posed = PosedLattice(obj, rig, unkeyed=True, facing=None)
     pins = [pin for pin in pin_list.model_pins(obj, posed) if pin.enabled]
     if not pins:
         return None
     count = len(rig.rest)
     starts, columns, values = rig.weights
-    shares = np.zeros((len(pins), drawing.count))
+    shares = np.zeros((len(pins), len(drawing.rest)))
     places = np.empty((len(pins), 2))
     for number, pin in enumerate(pins):
         weights = pin.weights / pin.weights.sum()

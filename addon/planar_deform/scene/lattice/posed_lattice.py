@@ -50,11 +50,9 @@ class PosedLattice(FlatObject):
         )
         self._count = len(rig.rest)
         rest = np.concatenate([self._shape.rest, self._shape.points])
-        shown = mapped(self._store.shown[rig.grid.layers[0], :3], self._linear) + self._origin
-        self.positions = self._in_frame(np.concatenate([rig.shown(shown), shown]) - self._origin)
-        self.cutout = posed_cutout(
-            self._in_frame(rest), rig.triangles, rig.connected, len(shown), flat=self.flat
-        )
+        self.positions = self._positions(self._store.shown)
+        count = len(self._shape.points)
+        self.cutout = posed_cutout(self._in_frame(rest), rig.triangles, rig.connected, count, flat=self.flat)
 
     # -- reading
 
@@ -105,6 +103,23 @@ class PosedLattice(FlatObject):
         """Places in the frame of world positions, k x 3."""
         return self._in_frame(places - self._origin)
 
+    def flattened(self, shape: Array32) -> Array:
+        """Positions in any shape of the lattice, see storage/points.py."""
+        return self._positions(shape.astype(np.float64))
+
+    def coordinates(self, positions: Array) -> Array32:
+        """The shape, see storage/points.py, in which the lattice shows positions.
+
+        Raises Refusal beyond what Blender can store.
+        """
+        return self._placed(
+            self._store.shown.astype(np.float32), self.positions, positions, np.ones_like(self._share)
+        )
+
+    def rest_coordinates(self) -> Array32:
+        """The regular lattice, a shape as in storage/points.py."""
+        return points.read_regular(self.resolve())
+
     def plane_from_ray(self, origin: Array, direction: Array, pin: Holder | None = None) -> Array | None:
         """Where a world ray meets the plane in which a pin is moved (2,); None edge-on or behind it."""
         start, towards = self.from_world(origin[None, :])[0], self._in_frame(direction[None, :])[0]
@@ -137,20 +152,20 @@ class PosedLattice(FlatObject):
 
         Raises Refusal, with nothing changed, beyond what Blender can store.
         """
-        self._put(self._moved(self._store.begin, positions, self._share))
+        self._put(self._placed(self._store.begin, self.positions, positions, self._share))
 
-    def coordinates(self, positions: Array) -> Array32:
-        """The shape, see storage/points.py, in which the lattice shows positions. Refuses as write() does."""
-        return self._moved(self._store.shown.astype(np.float32), positions, np.ones_like(self._share))
+    def write_rest(self) -> None:
+        """Take the pose away, to the bit: the lattice is as regular as it was made."""
+        rest = self._store.rest(self.resolve(), self.rest_coordinates())
+        if rest is not None:
+            self._put(rest)
 
-    def rest_coordinates(self) -> Array32:
-        """The regular lattice, such a shape."""
-        return points.read_regular(self.resolve())
-
-    def _moved(self, begin: Array32, positions: Array, share: Array) -> Array32:
-        start, end = (rows[self._count :] for rows in (self.positions, positions))
-        moved = np.flatnonzero(np.any(start != end, axis=1))
-        offsets = mapped(mapped(end[moved] - start[moved], np.ascontiguousarray(self._axes.T)), self._inverse)
+    def _placed(self, begin: Array32, start: Array, positions: Array, share: Array) -> Array32:
+        before, after = (rows[self._count :] for rows in (start, positions))
+        moved = np.flatnonzero(np.any(before != after, axis=1))
+        offsets = mapped(
+            mapped(after[moved] - before[moved], np.ascontiguousarray(self._axes.T)), self._inverse
+        )
         if self._rig.flat_axis is not None:
             offsets[:, self._rig.flat_axis] = 0.0  # but for rounding it is
         shape = begin.copy()
@@ -162,12 +177,10 @@ class PosedLattice(FlatObject):
             raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
         return shape
 
-    def write_rest(self) -> None:
-        """Take the pose away, to the bit: the lattice is as regular as it was made."""
-        obj = self.resolve()
-        rest = self._store.rest(obj, points.read_regular(obj))
-        if rest is not None:
-            self._put(rest)
+    def _positions(self, shape: Array) -> Array:
+        """Those of the meshes' vertices and the lattice's points in a shape of the lattice."""
+        shown = mapped(shape[self._rig.grid.layers[0], :3], self._linear) + self._origin
+        return self._in_frame(np.concatenate([self._rig.shown(shown), shown]) - self._origin)
 
     def _in_frame(self, places: Array) -> Array:
         """World-linear positions along u, v and the normal."""

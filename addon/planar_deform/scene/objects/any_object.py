@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Protocol
 
 import bpy
 
 from ...errors import Refusal
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, Array32
 from ..sequence import playback, pose_edit
 from ..storage import points
 from . import cutout_object
@@ -62,8 +63,21 @@ def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> AnyObj
     return LineObject(obj, unkeyed) if is_outline(obj) else CutoutObject(obj, read(obj, unkeyed=unkeyed))
 
 
-def key_poses(drawing: AnyObject, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
-    """Key poses: n x 2 positions of the object's points by frame, as pose_edit.put_coordinates() does it.
+class Keyable(Protocol):
+    """What can be keyed: any of these, and what pins pose."""
+
+    def resolve(self) -> bpy.types.Object:
+        """The object. Raises ObjectGone."""
+
+    def coordinates(self, positions: Array) -> Array32:
+        """The shape, see storage/points.py, in which the object shows positions. Raises Refusal."""
+
+    def rest_coordinates(self) -> Array32:
+        """The shape of the object at rest."""
+
+
+def key_poses(drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
+    """Key poses: positions of the drawing by frame, as pose_edit.put_coordinates() does it.
 
     `drawing` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
     """

@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 
 from ... import native
-from ...model.lattice.cells import Counts, axis_across, cells_across, halves
-from ...model.plane.cutout import connected_parts, diagonal_of
+from ...model.lattice.cells import Counts, axis_across, cells_across, halves, layers_across
+from ...model.plane.cutout import diagonal_of
 from ...model.plane.frame import Array, Array32, Indices, frame_across, mapped
 from ..sequence import pose_state
 from ..storage import points, shape_keys
@@ -44,8 +44,8 @@ def space_refusal(obj: bpy.types.Object) -> str | None:
 class LatticeObject(FlatObject):
     """A lattice as points of a plane; what is across that goes from pose to pose in proportion.
 
-    Points of a flat lattice, which has one point in an axis or two equal layers, are joined by its cells.
-    Nothing joins those of a lattice in space.
+    Points of a flat lattice are joined by its cells. Of two equal layers these are the points of the first
+    one, and the others follow. Nothing joins the points of a lattice in space.
     """
 
     rest: Array  # n x 2
@@ -56,14 +56,17 @@ class LatticeObject(FlatObject):
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         super().__init__(obj, store_of(obj, unkeyed))
         axis = _axis_across(obj)
-        every = np.arange(self.count, dtype=np.int32)
-        parts = np.zeros(self.count, np.int32)
+        layers = [np.arange(self.count, dtype=np.int32)]
         self.cells, self.elements = np.empty((0, 4), np.int32), {}
         if axis is not None:
-            self.cells = cells_across(counts_of(obj), axis)
+            counts = counts_of(obj)
+            layers = layers_across(counts, axis)
+            u, v, w = (1 if along == axis else count for along, count in enumerate(counts))
+            self.cells = cells_across((u, v, w), axis)
             self.elements = {"triangles": halves(self.cells)}
-            parts = connected_parts(self.count, self.cells)
-        shown = mapped(self._take_points(obj, every, parts), self._linear)
+        self._followers = layers[1:]
+        parts = np.zeros(len(layers[0]), np.int32)
+        shown = mapped(self._take_points(obj, layers[0], parts), self._linear)
         self._take_frame(frame_across(np.eye(3)[2 if axis is None else axis], self._linear), shown)
         self._rest_shape = points.read_regular(obj)
         self.rest = self.flattened(self._rest_shape)
@@ -72,6 +75,12 @@ class LatticeObject(FlatObject):
     def rest_coordinates(self) -> Array32:
         """The regular lattice, a shape as in storage/points.py."""
         return self._rest_shape
+
+    def _placed(self, begin: Array32, start: Array, positions: Array, share: Array) -> Array32:
+        shape = super()._placed(begin, start, positions, share)
+        for layer in self._followers:
+            shape[layer, :3] += shape[self.vertex_indices, :3] - begin[self.vertex_indices, :3]
+        return shape
 
 
 def counts_of(obj: bpy.types.Object) -> Counts:
