@@ -269,3 +269,42 @@ def test_a_patch_of_one_object_by_its_ring(window: Window) -> Iterator[None]:
     yield from window.drag((x + 36, y), (x, y + 36))  # the ring, a quarter of a turn
     assert 50 < np.degrees(active().planar.pins[0].angle) < 120
     window.picture("lattice_ring")
+
+
+def test_a_model_is_fitted_from_the_view_bent_and_all_of_it_undone(window: Window) -> Iterator[None]:
+    bpy.ops.mesh.primitive_monkey_add()
+    monkey = active()
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.look("FRONT", 6.0)
+    yield from window.use_tool()
+    before = shown(monkey)
+    with window.context():
+        assert bpy.ops.planar.fit_lattice("INVOKE_DEFAULT", True, space="VIEW") == {"FINISHED"}
+    yield from window.wait(0.2)
+    assert active().type == "LATTICE"
+    assert np.allclose(shown(monkey), before, atol=1e-6)
+    ear, chin = max(before, key=lambda place: place[0]), min(before, key=lambda place: place[2])
+    for spot in (chin, ear):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    pinned = [pin.object for pin in active().planar.pins if pin.lattice_point < 0]
+    assert pinned == [monkey, monkey], window.reports()
+    start = place(1)
+    yield from window.drag(window.pixel(start), window.pixel(beside(start, -0.2, 0.7)))
+    assert np.allclose(place(1), beside(start, -0.2, 0.7), atol=0.06), place(1)
+    bent = shown(monkey)
+    assert np.abs(bent - before).max() > 0.4
+    assert np.abs((bent - before)[:, 1]).max() < 1e-6, "across the view nothing moves in depth"
+    window.picture("lattice_model")
+    for _ in range(4):  # the drag, two pins, the lattice
+        yield from window.undo()
+    assert not any(obj.type == "LATTICE" for obj in bpy.data.objects)
+    assert not bpy.data.objects["Suzanne"].modifiers
+    assert np.allclose(shown(bpy.data.objects["Suzanne"]), before, atol=1e-6)
+
+
+def shown(obj: bpy.types.Object) -> np.ndarray:
+    """Where Blender shows the vertices of an object that stands at the origin, n x 3."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    found = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.vertices.foreach_get("co", found)
+    return found.reshape(-1, 3)
