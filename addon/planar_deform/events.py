@@ -15,7 +15,7 @@ from .model.posing import solver_cache, solving
 from .operators import stiffness
 from .operators.modal import running
 from .scene import follow
-from .scene.lattice import rig
+from .scene.lattice import reaching, rig
 from .scene.objects import triangulation
 from .scene.pins import following
 from .scene.sequence import pose_showing
@@ -84,6 +84,7 @@ RESET: tuple[Callable[[], None], ...] = (
     triangulation.forget,
     changes.tell_all,
     digests.forget,
+    reaching.forget,
     rig.forget,
     snapshot.forget,
     onion.forget,

@@ -124,9 +124,9 @@ def refusal(cage):
 def test_refusals_say_what_to_do():
     cage = random_scene(3)
     one = bpy.data.objects["Part 0"]
-    above = one.modifiers.new("Bent", "SIMPLE_DEFORM")
+    above = one.modifiers.new("Bent", "BEVEL")
     one.modifiers.move(len(one.modifiers) - 1, 0)
-    assert "'Bent' of 'Part 0' stands above 'Lattice': move it below" in refusal(cage)
+    assert "'Bent' of 'Part 0' makes new vertices above 'Lattice': move it below" in refusal(cage)
     above.show_viewport = False
     read_rig(cage)
     second = one.modifiers.new("Again", "LATTICE")

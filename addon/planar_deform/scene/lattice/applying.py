@@ -11,6 +11,7 @@ from ...model.plane.frame import Array32, mapped
 from ..objects.flat_object import linear_of, origin_of
 from ..objects.pose_store import store_of
 from ..storage import points
+from . import reaching
 from .rig import deformed, displacements, factors_of, read_grid, read_rig, weights_at
 
 
@@ -21,8 +22,8 @@ def apply(lattice: bpy.types.Object, *, keep_modifiers: bool) -> list[bpy.types.
     """
     read_rig(lattice)
     pairs = list(deformed(lattice))
-    for obj, _ in pairs:
-        _check(obj)
+    for obj, modifier in pairs:
+        _check(obj, modifier)
     shapes = [_deformed(lattice, obj, modifier) for obj, modifier in pairs]
     for (obj, modifier), shape in zip(pairs, shapes, strict=True):
         if obj.data.shape_keys is None:
@@ -38,7 +39,12 @@ def apply(lattice: bpy.types.Object, *, keep_modifiers: bool) -> list[bpy.types.
     return [obj for obj, _ in pairs]
 
 
-def _check(obj: bpy.types.Object) -> None:
+def _check(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
+    others = reaching.above(obj, modifier)
+    if others:
+        raise Refusal(
+            f"Modifier '{others[0].name}' of '{obj.name}' stands above '{modifier.name}': apply it first"
+        )
     if obj.library is not None or obj.data.library is not None or obj.data.override_library is not None:
         raise Refusal(
             f"The mesh of '{obj.name}' is linked: make it local with Object > Relations > Make Local"

@@ -19,7 +19,7 @@ def pinned_places(obj: bpy.types.Object, drawing: LatticeObject) -> PinPlaces | 
     if not drawing.elements or not pin_list.has_pins(obj):
         return None
     try:
-        rig = read_rig(obj)
+        rig = read_rig(obj, drawn=True)  # panels ask, too
     except Refusal:
         return None  # it deforms nothing that pins can hold at present
     if len(rig.points_at_rest) != len(drawing.rest):

@@ -44,13 +44,20 @@ def begin_posing(
 
 
 def read_posed(
-    obj: bpy.types.Object | None, *, unkeyed: bool = False, facing: Sequence[float] | None = None
+    obj: bpy.types.Object | None,
+    *,
+    unkeyed: bool = False,
+    facing: Sequence[float] | None = None,
+    drawn: bool = False,
 ) -> PosedObject:
-    """An object that pins pose, as it is shown. Raises Refusal; changes nothing."""
+    """An object that pins pose, as it is shown. Raises Refusal; changes nothing.
+
+    `drawn`: it is read where things are drawn, see lattice/reaching.py.
+    """
     reason = posing_refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
     if obj.type == "LATTICE":
-        return PosedLattice(obj, read_rig(obj), unkeyed=unkeyed, facing=facing)
+        return PosedLattice(obj, read_rig(obj, drawn=drawn), unkeyed=unkeyed, facing=facing)
     return CutoutObject(obj, read(obj, unkeyed=unkeyed))

@@ -26,15 +26,9 @@ from ..objects.pose_store import store_of
 from ..objects.triangulation import Faces, faces_of
 from ..storage import changes, points
 from ..storage.vertex_groups import members
+from . import reaching
 
 CAPACITY = 4  # lattices; what is kept of one with 20k vertices takes some 10 MB
-# Modifiers above the lattice's that leave the vertices as they are.
-HARMLESS = frozenset(
-    [
-        *("DATA_TRANSFER", "NORMAL_EDIT", "UV_PROJECT", "UV_WARP", "WEIGHTED_NORMAL"),
-        *("VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY"),
-    ]
-)
 BASES: dict[str, native.LatticeBasis] = {
     "KEY_LINEAR": "LINEAR",
     "KEY_CARDINAL": "CARDINAL",
@@ -207,8 +201,8 @@ def rig_state(lattice: bpy.types.Object) -> RigState:
     )
 
 
-def read_rig(lattice: bpy.types.Object) -> LatticeRig:
-    """What a lattice deforms. Raises Refusal; changes nothing."""
+def read_rig(lattice: bpy.types.Object, *, drawn: bool = False) -> LatticeRig:
+    """What a lattice deforms. Raises Refusal; changes nothing. `drawn`: see reaching.shape()."""
     grid = read_grid(lattice)
     points_at_rest = mapped(grid.co.astype(np.float64), linear_of(lattice)) + origin_of(lattice)
     before = _kept.pop(lattice.session_uid, None)
@@ -217,7 +211,7 @@ def read_rig(lattice: bpy.types.Object) -> LatticeRig:
     for obj, modifier in deformed(lattice):
         if parts and parts[-1].session_uid == obj.session_uid:
             raise Refusal(f"'{obj.name}' has two modifiers of '{lattice.name}': remove one")
-        parts.append(_read_part(lattice, grid, obj, modifier, old.get(obj.session_uid)))
+        parts.append(_read_part(lattice, grid, obj, modifier, old.get(obj.session_uid), drawn))
     if not parts:
         raise Refusal(
             f"'{lattice.name}' deforms no mesh that is shown: give one a Lattice modifier with this object"
@@ -277,10 +271,11 @@ def _read_part(
     obj: bpy.types.Object,
     modifier: bpy.types.Modifier,
     before: Part | None,
+    drawn: bool,
 ) -> Part:
     """One object, as it is; the same part as before where that still holds."""
     _check(obj, modifier)
-    shape = store_of(obj, unkeyed=True).shown.astype(np.float32)
+    shape = reaching.shape(obj, modifier, drawn=drawn)
     faces = faces_of(obj.data, shape)
     factors = factors_of(obj, modifier)
     matrices = np.array(obj.matrix_world), np.array(lattice.matrix_world)
@@ -315,14 +310,9 @@ def _check(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
     """Raises Refusal where what reaches the modifier is not the mesh itself."""
     if obj.mode != "OBJECT":
         raise Refusal(f"'{obj.name}' is in another mode: leave that first")
-    for above in obj.modifiers:
-        if above == modifier:
-            break
-        if above.show_viewport and above.type not in HARMLESS:
-            raise Refusal(
-                f"Modifier '{above.name}' of '{obj.name}' stands above '{modifier.name}': move it below in "
-                "the Modifiers tab, or apply it"
-            )
+    reason = reaching.refusal(obj, modifier)
+    if reason is not None:
+        raise Refusal(reason)
     keys = obj.data.shape_keys
     if keys is not None and not keys.use_relative and not obj.planar.poses:
         raise Refusal(f"'{obj.name}' has absolute shape keys: turn on Relative in its Shape Keys panel")

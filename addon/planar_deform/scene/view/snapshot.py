@@ -244,7 +244,7 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
 def _read_lattice(obj: bpy.types.Object, state: _State) -> _Kept:
     """What is shown of what a lattice deforms."""
     try:
-        drawing = read_posed(obj)
+        drawing = read_posed(obj, drawn=True)
     except Refusal as refusal:
         return _Kept(obj.name, Snapshot(refusal=str(refusal)), state, None)
     holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
