@@ -37,8 +37,8 @@ def end() -> np.ndarray:
     obj = bpy.data.objects["Sheet"].evaluated_get(bpy.context.evaluated_depsgraph_get())
     cage = next(obj for obj in bpy.data.objects if obj.type == "LATTICE")
     group = bpy.data.objects["Sheet"].vertex_groups[cage.planar.pins[1].group].index
-    held = [v.co for v in obj.data.vertices if any(g.group == group for g in v.groups)]
-    return np.mean([np.array(obj.matrix_world @ co) for co in held], axis=0)
+    held = [(v.co, g.weight) for v in obj.data.vertices for g in v.groups if g.group == group]
+    return np.average([obj.matrix_world @ co for co, _ in held], axis=0, weights=[w for _, w in held])
 
 
 def shape() -> np.ndarray:
