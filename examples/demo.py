@@ -121,7 +121,7 @@ def run(pictures: Path | None) -> None:
     in_lattices = bend()
     out = ROOT / "out"
     out.mkdir(exist_ok=True)
-    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared + [in_lattices])
+    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared + in_lattices)
     sheet.save(out / "contact_sheet.png", optimize=True)
     film_sheet = make_film(cast, out / "demo.mp4")
     film_sheet.save(out / "film_sheet.png", optimize=True)
@@ -132,7 +132,7 @@ def run(pictures: Path | None) -> None:
     if pictures:
         images |= {"contact_sheet": sheet, "film": film_sheet}
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
-        images["lattices"] = contact_sheet.sheet("Posed by one lattice each", [in_lattices])
+        images["lattices"] = contact_sheet.sheet("Posed by one lattice each", in_lattices)
         images["methods"] = contact_sheet.sheet("The same drags by both methods", compared)
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
@@ -140,8 +140,8 @@ def run(pictures: Path | None) -> None:
     print(f"Wrote {', '.join(f'out/{name}' for name in wrote)}; {time.perf_counter() - start:.1f} s in all")
 
 
-def bend() -> list[Cell]:
-    """Poses and keys what lattices deform; cells of it."""
+def bend() -> list[list[Cell]]:
+    """Poses and keys what lattices deform; rows of it."""
     end = bpy.context.scene.frame_end - film.HOLD
     pins = {"Near Foot": ("Body", -0.34, 0.12), "Far Foot": ("Body", 0.51, 0.12), "Hips": ("Body", 0.03, 1.7),
             "Head": ("Body", 0.08, 3.4), "Tail": ("Tail", -1.8, 2.45), "Hand": ("Waving Arm", -1.18, 1.34),
@@ -151,7 +151,7 @@ def bend() -> list[Cell]:
         lattices.Act("Bow", {"Head": (0.7, -0.25), "Tail": (-0.1, 0.5), "Hand": (-0.25, 0.45)}),
         lattices.Act("Reach", {"Head": (-0.35, 0.2), "Lantern": (0.25, 0.55), "Tail": (0.1, -0.35)}),
     ]
-    cells = lattices.perform(paper, bows, APART, end)
+    rows = [lattices.perform(paper, bows, APART, end)]
     for obj in paper.objects:
         obj.hide_render = True
     ears = {"Chin": (0.0, -0.75), "Brow": (0.0, 0.55), "Left Ear": (-1.2, 0.3), "Right Ear": (1.0, 0.3)}
@@ -160,10 +160,10 @@ def bend() -> list[Cell]:
         lattices.Act("Listen", {"Left Ear": (-0.35, 0.7), "Right Ear": (0.1, 0.9), "Chin": (0.15, 0.0)}),
         lattices.Act("Droop", {"Left Ear": (0.3, -0.8), "Right Ear": (-0.3, -0.8), "Brow": (0.0, 0.35)}),
     ]
-    cells += lattices.perform(bust, ways, APART, end)
+    rows.append(lattices.perform(bust, ways, APART, end))
     for lattice in (paper.lattice, bust.lattice):
         lattice.select_set(False)
-    return cells
+    return rows
 
 
 def build(character: Character) -> bpy.types.Object:

@@ -62,7 +62,7 @@ def layered(
         nearest = int(np.hypot(*(points - (px, pz)).T).argmin())
         by_layer[layer].vertex_groups.new(name=name).add([nearest], 1.0, "REPLACE")
         bpy.ops.planar.add_pin_from_group(object=by_layer[layer].name, group=name)
-    view = View.around(-0.2, -0.4, 5.6, 420, 460)
+    view = View.around(-0.2, -0.4, 5.6, 566, 460)
     return Scene("Four objects, one lattice", x, view, (222, 214, 236), objects, lattice, list(pins))
 
 
@@ -84,7 +84,7 @@ def model(x: float, z: float, size: float, pins: Mapping[str, tuple[float, float
         nearest = int(facing[places[facing, 1].argmin()])
         obj.vertex_groups.new(name=name).add([nearest], 1.0, "REPLACE")
         bpy.ops.planar.add_pin_from_group(object=obj.name, group=name)
-    view = View.around(0.0, -0.4, 5.6, 420, 460)
+    view = View.around(0.0, -0.4, 5.6, 566, 460)
     return Scene("A model, bent as it is seen", x, view, (216, 228, 206), [obj], lattice, list(pins))
 
 

@@ -73,9 +73,9 @@ MODULES = (
     pins_panel,
     posing_panel,
     poses_panel,
+    lattice_panel,
     motion_panel,
     bake_panel,
-    lattice_panel,
     menus,
     events,
 )

@@ -111,8 +111,8 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
         refuse_hidden(context)
         drawing = begin_posing(context)
         point = drawing.pick(*ray(context.region, context.region_data, mouse))
-        # Seen in space, points of a lattice are everywhere before and behind what it deforms.
-        if isinstance(drawing, PosedLattice) and (drawing.flat or point is None):
+        # Points of a lattice are everywhere before what it deforms: pins on that are what is wanted there.
+        if isinstance(drawing, PosedLattice) and point is None:
             numbers, places = drawing.lattice_points
             nearest = nearest_within(context.region, context.region_data, places, mouse, ON_LATTICE_POINT)
             if nearest is not None:

@@ -280,3 +280,17 @@ def test_painted_stiffness_comes_along(own):
     if own:
         expected[[3, 4]] = 0.25
     assert painted(joined) == pytest.approx(expected)
+
+
+def test_targets_of_pins_come_along():
+    first, second = bar(), bar(name="Second")
+    target = bpy.data.objects.new("Target", None)
+    bpy.context.scene.collection.objects.link(target)
+    for obj in (first, second):
+        add_pins(obj, [0], [12])
+    second.planar.pins[1].follow, second.planar.pins[1].follow_bone = target, "Hand"
+    second.location.x = 5.0
+    joined = join(first, second)
+    bpy.context.view_layer.update()
+    targets = [(pin.follow, pin.follow_bone) for pin in joined.planar.pins]
+    assert targets == [(None, ""), (None, ""), (None, ""), (target, "Hand")]

@@ -33,11 +33,15 @@ DEFORMING = frozenset(
 )
 
 
-def shifting(obj: bpy.types.Object) -> list[str]:
-    """Names of the modifiers shown in the viewport that move vertices (or may: geometry nodes)."""
-    return [
-        modifier.name for modifier in obj.modifiers if modifier.show_viewport and modifier.type in DEFORMING
-    ]
+def shifting(obj: bpy.types.Object, below: bpy.types.Modifier | None = None) -> list[str]:
+    """Names of the modifiers shown in the viewport that move vertices (or may: geometry nodes).
+
+    `below`: only those that come after this one.
+    """
+    stack = list(obj.modifiers)
+    if below is not None:
+        stack = stack[stack.index(below) + 1 :]
+    return [modifier.name for modifier in stack if modifier.show_viewport and modifier.type in DEFORMING]
 
 
 def covering(obj: bpy.types.Object) -> str | None:

@@ -21,7 +21,7 @@ from ..storage.vertex_groups import Members, members
 from . import pin_list
 
 # What a pin keeps, beside its group.
-_KEPT = ("name", "kind", "enabled", "has_target", "target", "reached", "angle")
+_KEPT = ("name", "kind", "enabled", "has_target", "target", "reached", "angle", "follow_bone")
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class _Pin:
     group: str
     owned: bool
     weight: float  # with that of all pins of its object
+    follow: str  # the object that is its target, by name
     settings: dict[str, Any]
 
 
@@ -117,7 +118,9 @@ def _add_stiffness(obj: bpy.types.Object, name: str, part: Joined) -> None:
 def _remembered(pin: bpy.types.PropertyGroup, weight: float) -> _Pin:
     kept = {name: getattr(pin, name) for name in _KEPT}
     kept["target"], kept["reached"] = tuple(pin.target), tuple(pin.reached)
-    return _Pin(pin.group, pin.owns_group, pin.weight * weight, kept)
+    return _Pin(
+        pin.group, pin.owns_group, pin.weight * weight, "" if pin.follow is None else pin.follow.name, kept
+    )
 
 
 def _add(
@@ -140,6 +143,7 @@ def _add(
         setattr(added, name, value)
     added.name = pin_list.free_name(pin.settings["name"], names)
     added.weight = pin.weight / obj.planar.pin_weight
+    added.follow = bpy.data.objects.get(pin.follow)
     added.came_from = owner
     if part.map is None:
         added.has_target = False

@@ -39,7 +39,15 @@ def _fault(context: bpy.types.Context, pin: bpy.types.PropertyGroup, index: int)
     if pinned == context.object:
         return "The vertex group holds no vertices of faces: assign some in Edit Mode"
     return f"The lattice deforms no vertices of faces of '{pinned.name}' that are in the group"
-    return None
+
+
+def unreached(seen: snapshot.Snapshot) -> dict[int, float]:
+    """How far pins are from where they were asked to be, by their indices; only what can be seen."""
+    if seen.shape is None:
+        return {}
+    size = float(np.ptp(seen.shape[0].cutout.rest, axis=0).max())  # a lattice has no dimensions in Blender
+    gaps = {pin.key: float(np.linalg.norm(pin.target - pin.place)) for pin in seen.pins}
+    return {key: gap for key, gap in gaps.items() if gap > SHOWN_GAP * size}
 
 
 class PLANAR_UL_pins(bpy.types.UIList):
@@ -162,19 +170,16 @@ def _draw_pin(
         lines(column, fault, "ERROR", context)
     seen = snapshot.of_active(context)
     place = None if seen is None else seen.pin(index)
-    if place is None:
+    if seen is None or place is None:
         return
     if pin.kind == "PATCH":
         split = column.split(factor=0.4)
         split.alignment = "RIGHT"
         split.label(text="Turned")
         split.label(text=f"{math.degrees(place.angle):.1f}°")
-    gap = float(np.linalg.norm(place.target - place.place))
-    if gap > SHOWN_GAP * max(obj.dimensions):
-        text = f"{gap:.4g} away from its target"
-        if obj.type == "LATTICE":
-            text += ": a lattice with more points may get there"
-        lines(layout, text, "ERROR", context)
+    gap = unreached(seen).get(index)
+    if gap is not None:
+        lines(layout, f"{gap:.4g} away from its target", "ERROR", context)
 
 
 CLASSES = (PLANAR_UL_pins, PLANAR_MT_add_pins, PLANAR_PT_pins)
