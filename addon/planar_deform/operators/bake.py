@@ -6,38 +6,20 @@ from __future__ import annotations
 from collections.abc import Generator
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .. import compat
 from ..scene.motion import bake, point_cache
+from .frame_range import FrameRange
 from .modal.long_job import Job, LongOperator
 
 
-class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
+class PLANAR_OT_bake(FrameRange, LongOperator, bpy.types.Operator):
     bl_idname = "planar.bake"
     bl_label = "Bake"
     bl_description = "Keep what the poses show, with their timing and in-betweens, frame by frame"
 
     to: EnumProperty(name="To", description="What the frames become", items=bake.FORMS)
-    # Of the next bake, perhaps of another object, nothing here is taken for granted.
-    frame_start: IntProperty(
-        name="First Frame",
-        description="First frame to bake; by default the scene's, or its preview's",
-        options={"SKIP_SAVE"},
-    )
-    frame_end: IntProperty(
-        name="Last Frame",
-        description="Last frame to bake; by default the scene's, or its preview's",
-        options={"SKIP_SAVE"},
-    )
-    frame_step: IntProperty(
-        name="Step",
-        description="Frames from one baked frame to the next",
-        default=1,
-        min=1,
-        soft_max=12,
-        options={"SKIP_SAVE"},
-    )
     filepath: StringProperty(
         name="File",
         description="File of the point cache; by default the object's own, beside the .blend",
@@ -94,7 +76,7 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
     def job(self, context: bpy.types.Context) -> Job:
         obj = context.object
         self._complete(context)
-        frames = bake.frames_of(self.frame_start, self.frame_end, self.frame_step)
+        frames = self.frames
         return Job(write=lambda _: self._bake(obj, frames), summary=lambda _: self._summary(frames))
 
     def _bake(self, obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
@@ -103,15 +85,9 @@ class PLANAR_OT_bake(LongOperator, bpy.types.Operator):
 
     def _complete(self, context: bpy.types.Context) -> None:
         """Give what is not said its default, so that the redo panel shows it."""
-        first, last = bake.frame_range(context.scene)
-        defaults = {
-            "frame_start": first,
-            "frame_end": last,
-            "filepath": point_cache.default_path(context.object),
-        }
-        for name, value in defaults.items():
-            if not self.properties.is_property_set(name) or getattr(self, name) == "":
-                setattr(self, name, value)
+        self.complete_range(context)
+        if not self.properties.is_property_set("filepath") or not self.filepath:
+            self.filepath = point_cache.default_path(context.object)
 
     def _summary(self, frames: range) -> str:
         what = {"SHAPES": "poses", "POINT_CACHE": f"'{self.filepath}'", "RELATIVE_KEYS": "shape keys"}

@@ -3,15 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-
 import bpy
-from bpy.props import IntProperty
 
 from ..scene.lattice.posed import begin_posing, posing_refusal
-from ..scene.motion import bake, to_targets
+from ..scene.motion import to_targets
 from ..scene.objects import modifiers
 from ..scene.pins import pin_list, targets
+from .frame_range import FrameRange
 from .keying import auto_key
 from .modal.long_job import Job, LongOperator
 from .posing_operator import PinPosingOperator
@@ -40,28 +38,10 @@ class PLANAR_OT_solve_to_targets(PinPosingOperator, bpy.types.Operator):
             self.report({"INFO"}, told)
 
 
-class PLANAR_OT_bake_targets(LongOperator, bpy.types.Operator):
+class PLANAR_OT_bake_targets(FrameRange, LongOperator, bpy.types.Operator):
     bl_idname = "planar.bake_targets"
     bl_label = "Bake Targets"
     bl_description = "Key a pose for every frame, with the pins where their targets are then"
-
-    frame_start: IntProperty(
-        name="First Frame",
-        description="First frame to bake; by default the scene's, or its preview's",
-        options={"SKIP_SAVE"},
-    )
-    frame_end: IntProperty(
-        name="Last Frame",
-        description="Last frame to bake; by default the scene's, or its preview's",
-        options={"SKIP_SAVE"},
-    )
-    frame_step: IntProperty(
-        name="Step",
-        description="Frames from one baked frame to the next",
-        default=1,
-        min=1,
-        options={"SKIP_SAVE"},
-    )
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
@@ -70,17 +50,12 @@ class PLANAR_OT_bake_targets(LongOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> Job:
         obj = context.object
-        for name, value in zip(("frame_start", "frame_end"), bake.frame_range(context.scene), strict=True):
-            if not self.properties.is_property_set(name):
-                setattr(self, name, value)
-        frames = bake.frames_of(self.frame_start, self.frame_end, self.frame_step)
+        self.complete_range(context)
+        frames = self.frames
         return Job(
-            write=lambda _: self._bake(obj, frames),
+            write=lambda _: to_targets.bake_frames(obj, frames),
             summary=lambda _: f"Keyed the pins at their targets from frame {frames[0]} to {frames[-1]}",
         )
-
-    def _bake(self, obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
-        yield from to_targets.bake_frames(obj, frames)
 
 
 CLASSES = (PLANAR_OT_solve_to_targets, PLANAR_OT_bake_targets)
