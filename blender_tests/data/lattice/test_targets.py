@@ -97,8 +97,10 @@ def test_frames_are_baked_to_keys_of_the_lattice_that_blender_plays():
         target.location = start + np.array((shift, 0.0, 0.5 * shift))
         target.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(5)
+    cage.planar.live = True
     assert bpy.ops.planar.bake_targets(frame_start=1, frame_end=13) == {"FINISHED"}
     assert bpy.context.scene.frame_current == 5
+    assert not cage.planar.live, "what is keyed plays"
     keys = cage.data.shape_keys
     assert not keys.use_relative
     for frame in (1, 4, 5, 9, 13):

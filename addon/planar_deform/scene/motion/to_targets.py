@@ -52,8 +52,8 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
     """Key a pose with the pins at their targets for each of these frames, evenly blended to the next one.
 
     Each is solved from the one before it, and what was keyed between them goes. The targets are where the
-    frames have them as seen from the object itself, which may move. Yields the share done; closed before its
-    end, everything is as it was. Raises Refusal and ObjectGone.
+    frames have them as seen from the object itself, which may move. Live goes off. Yields the share done;
+    closed before its end, everything is as it was. Raises Refusal and ObjectGone.
     """
     scene, now = bpy.context.scene, bpy.context.scene.frame_current_final
     drawing = read_posed(obj, unkeyed=True)
@@ -79,6 +79,7 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
     for share in pose_edit.put_coordinates(drawing.resolve(), shapes, rest, throughout=True):
         yield 0.9 + 0.1 * share
     bake.blend_evenly(find(), frames)
+    find().planar.live = False  # it would show something else than what is keyed
 
 
 def _from(obj: bpy.types.Object, drawing: PosedObject, positions: Array) -> PinFollow:
