@@ -138,7 +138,8 @@ def test_a_lattice_that_moves_with_its_targets_stays_as_it_is():
     np.testing.assert_allclose(shape, rest, atol=2e-2)
 
 
-def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
+def through_a_camera():
+    """A monkey in a lattice across a perspective camera, whose nearest pin has a target out of its depth."""
     bpy.ops.mesh.primitive_monkey_add()
     monkey = bpy.context.object
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -157,13 +158,54 @@ def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
     target = empty(before[nearest] + np.array(camera.matrix_world)[:3, :3] @ (0.3, 0.2, 1.5))
     cage.planar.pins[0].follow = target
     activate(cage)
+    return cage, monkey, nearest, camera, target
+
+
+def on_screen(camera, place):
+    seen = np.array(camera.matrix_world.inverted() @ Matrix.Translation(place).translation)
+    return seen[:2] / seen[2]
+
+
+def assert_seen_at_the_target(monkey, vertex, camera, target):
+    now = world(monkey, evaluated(monkey))[vertex]
+    np.testing.assert_allclose(
+        on_screen(camera, now), on_screen(camera, target.matrix_world.translation), atol=4e-3
+    )
+
+
+def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
+    _cage, monkey, vertex, camera, target = through_a_camera()
     assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
-    seen = [
-        np.array(camera.matrix_world.inverted() @ Matrix.Translation(place).translation)
-        for place in (world(monkey, evaluated(monkey))[nearest], target.location)
-    ]
-    screen = [place[:2] / place[2] for place in seen]
-    np.testing.assert_allclose(screen[0], screen[1], atol=4e-3)
+    assert_seen_at_the_target(monkey, vertex, camera, target)
+
+
+def test_through_a_camera_frames_are_baked_as_they_are_solved():
+    _cage, monkey, vertex, camera, target = through_a_camera()
+    start = target.location.copy()
+    for frame, shift in ((1, 0.0), (5, 0.4)):
+        target.location = start + camera.matrix_world.to_3x3() @ Matrix.Translation((shift, 0, 0)).translation
+        target.keyframe_insert("location", frame=frame)
+    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    for frame in (1, 3, 5):
+        bpy.context.scene.frame_set(frame)
+        assert_seen_at_the_target(monkey, vertex, camera, target)
+
+
+def test_a_camera_that_moves_with_its_lattice_and_model_sees_the_target_where_it_is():
+    cage, monkey, vertex, camera, target = through_a_camera()
+    bpy.context.view_layer.update()
+    for obj in (cage, monkey):
+        obj.parent = camera
+        obj.matrix_parent_inverse = camera.matrix_world.inverted()
+    place = camera.location.copy()
+    for frame, x in ((1, 0.0), (5, 0.3)):
+        camera.location.x = place.x + x
+        camera.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    for frame in (1, 3, 5):
+        bpy.context.scene.frame_set(frame)
+        assert_seen_at_the_target(monkey, vertex, camera, target)
 
 
 def test_without_targets_it_says_so_and_changes_nothing():

@@ -31,6 +31,10 @@ class PinFollow(Posing):
     ):
         super().__init__(cutout, positions, pins, goals, make_poser)
         self._goals = goals
+        # Where they are, not where they were asked to be: a bake comes from the frame before.
+        self._from = {
+            holder.pin.key: holder.place(positions) for holder in self._holders if self._moves(holder)
+        }
 
     def run(self) -> None:
         """All the way, the farther in the more steps, and until there is nothing left to do."""
@@ -42,14 +46,10 @@ class PinFollow(Posing):
 
     def _farthest(self) -> float:
         """The longest of the ways that pins have to go."""
-        return max(
-            float(np.linalg.norm(self._goals[holder.pin.key] - place))
-            for holder, (place, _) in zip(self._holders, self._starts, strict=True)
-            if self._moves(holder)
-        )
+        return max(float(np.linalg.norm(self._goals[key] - place)) for key, place in self._from.items())
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         if not self._moves(holder):
             return start
-        place, turned = start
-        return place + sample[0] * (self._goals[holder.pin.key] - place), turned
+        place = self._from[holder.pin.key]
+        return place + sample[0] * (self._goals[holder.pin.key] - place), start[1]
