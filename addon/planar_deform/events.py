@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from . import compat
 from .errors import try_all
 from .model.posing import solver_cache, solving
-from .operators import stiffness
+from .operators import live_targets, stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.lattice import reaching, rig
@@ -40,7 +40,9 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
                 changes.tell(changed[-1])
     for obj in dict.fromkeys(changed):
         follow.match_mesh(obj)
+        live_targets.note(obj)
     stiffness.changed()
+    live_targets.changed()
 
 
 def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -48,6 +50,8 @@ def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> 
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
             changes.tell(update.id.original, frame=True)
     follow.activate_shown_pose(scene, depsgraph)
+    if depsgraph.mode == "VIEWPORT":
+        live_targets.changed()
 
 
 def _before_undo(*_: object) -> None:
@@ -59,6 +63,7 @@ def _after_undo(*_: object) -> None:
     following.undone()
     pose_showing.undone()
     stiffness.undone()
+    live_targets.note_all()
 
 
 def _before_load(*_: object) -> None:
@@ -69,6 +74,7 @@ def _after_load(*_: object) -> None:
     _on_new_data()
     for obj in bpy.data.objects:
         follow.match_mesh(obj)
+    live_targets.note_all()
 
 
 def _on_new_data(*_: object) -> None:
@@ -90,6 +96,7 @@ RESET: tuple[Callable[[], None], ...] = (
     onion.forget,
     coarseness.forget,
     stiffness.forget,
+    live_targets.forget,
     following.forget,
 )
 

@@ -183,6 +183,11 @@ class PlanarPose(bpy.types.PropertyGroup):
     order_before: IntProperty(options={"HIDDEN"})  # from 1: among the poses before they were put in order
 
 
+def _set_live(settings: PlanarSettings, context: bpy.types.Context) -> None:
+    settings.followed = ""  # the pins may have been anywhere since
+    _number(settings, context)
+
+
 def _number(settings: PlanarSettings, _context: bpy.types.Context) -> None:
     migration.migrate(settings.id_data)
 
@@ -315,6 +320,17 @@ class PlanarSettings(bpy.types.PropertyGroup):
         options=NOT_ANIMATED,
         update=_number,
     )
+    live: BoolProperty(
+        name="Live",
+        description=(
+            "Let the pins follow their targets while these are moved and the frame is changed, but not while "
+            "the timeline plays. What is shown is keyed only by Key Pose"
+        ),
+        update=_set_live,
+        options=NOT_ANIMATED,
+    )
+    # Where the targets were that the pins have followed last, as targets.stamp() tells it.
+    followed: StringProperty(options={"HIDDEN"})
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
     # The curve's values before in-betweens were generated, see model/timing/played_curve.py.

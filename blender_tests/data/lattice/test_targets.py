@@ -8,6 +8,8 @@ from mathutils import Matrix, Quaternion
 from support import activate, bar, evaluated, world
 from test_lattice_posing import layered, pin_at, points, shown
 
+from planar_deform.operators import live_targets
+
 ENDS = (0, 90)
 
 
@@ -95,8 +97,10 @@ def test_frames_are_baked_to_keys_of_the_lattice_that_blender_plays():
         target.location = start + np.array((shift, 0.0, 0.5 * shift))
         target.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(5)
+    cage.planar.live = True
     assert bpy.ops.planar.bake_targets(frame_start=1, frame_end=13) == {"FINISHED"}
     assert bpy.context.scene.frame_current == 5
+    assert not cage.planar.live, "what is keyed plays"
     keys = cage.data.shape_keys
     assert not keys.use_relative
     for frame in (1, 4, 5, 9, 13):
@@ -134,7 +138,8 @@ def test_a_lattice_that_moves_with_its_targets_stays_as_it_is():
     np.testing.assert_allclose(shape, rest, atol=2e-2)
 
 
-def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
+def through_a_camera():
+    """A monkey in a lattice across a perspective camera, whose nearest pin has a target out of its depth."""
     bpy.ops.mesh.primitive_monkey_add()
     monkey = bpy.context.object
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -153,13 +158,54 @@ def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
     target = empty(before[nearest] + np.array(camera.matrix_world)[:3, :3] @ (0.3, 0.2, 1.5))
     cage.planar.pins[0].follow = target
     activate(cage)
+    return cage, monkey, nearest, camera, target
+
+
+def on_screen(camera, place):
+    seen = np.array(camera.matrix_world.inverted() @ Matrix.Translation(place).translation)
+    return seen[:2] / seen[2]
+
+
+def assert_seen_at_the_target(monkey, vertex, camera, target):
+    now = world(monkey, evaluated(monkey))[vertex]
+    np.testing.assert_allclose(
+        on_screen(camera, now), on_screen(camera, target.matrix_world.translation), atol=4e-3
+    )
+
+
+def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
+    _cage, monkey, vertex, camera, target = through_a_camera()
     assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
-    seen = [
-        np.array(camera.matrix_world.inverted() @ Matrix.Translation(place).translation)
-        for place in (world(monkey, evaluated(monkey))[nearest], target.location)
-    ]
-    screen = [place[:2] / place[2] for place in seen]
-    np.testing.assert_allclose(screen[0], screen[1], atol=4e-3)
+    assert_seen_at_the_target(monkey, vertex, camera, target)
+
+
+def test_through_a_camera_frames_are_baked_as_they_are_solved():
+    _cage, monkey, vertex, camera, target = through_a_camera()
+    start = target.location.copy()
+    for frame, shift in ((1, 0.0), (5, 0.4)):
+        target.location = start + camera.matrix_world.to_3x3() @ Matrix.Translation((shift, 0, 0)).translation
+        target.keyframe_insert("location", frame=frame)
+    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    for frame in (1, 3, 5):
+        bpy.context.scene.frame_set(frame)
+        assert_seen_at_the_target(monkey, vertex, camera, target)
+
+
+def test_a_camera_that_moves_with_its_lattice_and_model_sees_the_target_where_it_is():
+    cage, monkey, vertex, camera, target = through_a_camera()
+    bpy.context.view_layer.update()
+    for obj in (cage, monkey):
+        obj.parent = camera
+        obj.matrix_parent_inverse = camera.matrix_world.inverted()
+    place = camera.location.copy()
+    for frame, x in ((1, 0.0), (5, 0.3)):
+        camera.location.x = place.x + x
+        camera.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    for frame in (1, 3, 5):
+        bpy.context.scene.frame_set(frame)
+        assert_seen_at_the_target(monkey, vertex, camera, target)
 
 
 def test_without_targets_it_says_so_and_changes_nothing():
@@ -169,3 +215,120 @@ def test_without_targets_it_says_so_and_changes_nothing():
         with pytest.raises(RuntimeError, match="No pin has a target"):
             operator()
     assert cage.data.shape_keys is None
+
+
+def test_live_follows_the_target_and_the_lattice_itself():
+    cage, back, target = aimed((0.0, 0.0, 0.0))
+    before = points(cage)
+    live_targets.follow()
+    assert np.array_equal(points(cage), before), "it is off at first"
+    cage.planar.live = True
+    bpy.context.view_layer.update()
+    start = [shown(back, vertex) for vertex in ENDS]
+    target.location.x += 0.2
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    gone = along(cage, np.array((0.2, 0.0, 0.0)))
+    np.testing.assert_allclose(shown(back, ENDS[1]) - start[1], gone, atol=8e-3)
+    np.testing.assert_allclose(shown(back, ENDS[0]), start[0], atol=8e-3)
+    cage.location.z += 0.3  # the pins hold what comes along, the target stays
+    back.location.z += 0.3
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    np.testing.assert_allclose(along(cage, shown(back, ENDS[1]) - np.array(target.location)), 0.0, atol=8e-3)
+    np.testing.assert_allclose(shown(back, ENDS[0]), start[0] + (0.0, 0.0, 0.3), atol=8e-3)
+
+
+def test_live_does_nothing_while_no_target_moves():
+    cage, back, target = aimed()
+    cage.planar.live = True
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    before = points(cage)
+    other = empty((5.0, 5.0, 5.0), "Other")
+    other.location.x = 7.0
+    back.select_set(True)
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    assert np.array_equal(points(cage), before)
+    target.location.x += 0.1
+    cage.planar.live = False
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    assert np.array_equal(points(cage), before)
+
+
+def test_live_keeps_keyed_poses():
+    cage, back, target = aimed()
+    bpy.ops.planar.key_pose()
+    keyed = keyed_shapes(cage)
+    cage.planar.live = True
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    start = shown(back, ENDS[1])
+    target.location.x += 0.1
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    assert np.linalg.norm(shown(back, ENDS[1]) - start) > 0.05
+    now = keyed_shapes(cage)
+    for name, shape in keyed.items():
+        assert np.array_equal(now[name], shape), "only what is shown has moved"
+
+
+def keyed_shapes(cage):
+    blocks = cage.data.shape_keys.key_blocks
+    return {block.name: np.array([point.co for point in block.data]) for block in blocks}
+
+
+def test_live_goes_off_with_the_reason_where_it_is_refused(capsys):
+    cage, back, target = aimed()
+    cage.planar.live = True
+    bpy.context.view_layer.update()
+    back.modifiers.new("Wave", "WAVE")
+    back.modifiers.move(1, 0)
+    before = points(cage)
+    target.location.x += 0.1
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    assert not cage.planar.live
+    assert "Wave" in capsys.readouterr().out
+    assert np.array_equal(points(cage), before)
+
+
+def test_live_of_renamed_and_of_duplicated_drawings():
+    obj = bar(plane="XZ")
+    for vertex in (0, 64):
+        bpy.ops.planar.add_pin(location=world(obj)[vertex])
+    target = empty(world(obj)[64])
+    obj.planar.pins[1].follow = target
+    obj.planar.live = True
+    bpy.context.view_layer.update()
+    obj.name = "Renamed"
+    activate(obj)
+    bpy.ops.object.duplicate()
+    twin = bpy.context.object
+    assert twin != obj
+    target.location.z += 0.2
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    for each in (obj, twin):
+        np.testing.assert_allclose(world(each)[64], target.location, atol=5e-3)
+
+
+def test_live_is_in_the_file(tmp_path):
+    cage, _back, target = aimed((0.0, 0.0, 0.0))
+    name = cage.name
+    cage.planar.live = True
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    path = str(tmp_path / "live.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    cage, back, target = (bpy.data.objects[each] for each in (name, "Back", "Target"))
+    before, start = points(cage), shown(back, ENDS[1])
+    live_targets.follow()
+    assert np.array_equal(points(cage), before)
+    target.location.x += 0.2
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    assert np.linalg.norm(shown(back, ENDS[1]) - start) > 0.1

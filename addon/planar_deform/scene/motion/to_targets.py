@@ -24,22 +24,31 @@ from . import bake
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
 
 
-def followed(obj: bpy.types.Object, drawing: PosedObject) -> PinFollow:
-    """The posing that takes the pins of an object to where their targets are. Raises Refusal."""
-    pin_list.sync(obj)
+def followed(
+    obj: bpy.types.Object, drawing: PosedObject, positions: Array, read_at: Array | None = None
+) -> PinFollow:
+    """The posing that takes the pins of an object from positions to where their targets are.
+
+    `read_at`: the object's matrix when it was read, if it may have moved since. Raises Refusal.
+    """
     pins = pin_list.model_pins(obj, drawing)
     usable = [pin for pin in pins if pin.enabled and obj.planar.pins[pin.key].follow is not None]
     if not usable:
         raise Refusal("No pin that is on and holds vertices has a target: choose one in the list of pins")
-    goals = {pin.key: _goal(obj.planar.pins[pin.key], pin, drawing) for pin in usable}
-    poser = partial(drawing.poser, obj.planar.method.lower(), drawing.positions)
-    return PinFollow(drawing.cutout, drawing.positions, pins, goals, poser)
+    matrix = np.array(obj.matrix_world, np.float64)
+    back = np.eye(4)  # takes the world to where it was about the object when that was read
+    if read_at is not None and not np.array_equal(matrix, read_at):
+        back = read_at @ np.linalg.inv(matrix)
+    goals = {pin.key: _goal(obj.planar.pins[pin.key], pin, drawing, back) for pin in usable}
+    poser = partial(drawing.poser, obj.planar.method.lower(), positions)
+    return PinFollow(drawing.cutout, positions, pins, goals, poser)
 
 
 def solve(obj: bpy.types.Object, drawing: PosedObject) -> None:
     """Show the object with its pins at their targets. Raises Refusal, with nothing changed."""
     solving.halt()
-    posing = followed(obj, drawing)
+    pin_list.sync(obj)
+    posing = followed(obj, drawing, drawing.positions)
     try:
         posing.run()
     except native.SolveError as error:
@@ -52,20 +61,20 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
     """Key a pose with the pins at their targets for each of these frames, evenly blended to the next one.
 
     Each is solved from the one before it, and what was keyed between them goes. The targets are where the
-    frames have them as seen from the object itself, which may move. Yields the share done; closed before its
-    end, everything is as it was. Raises Refusal and ObjectGone.
+    frames have them as seen from the object itself, which may move. Live goes off. Yields the share done;
+    closed before its end, everything is as it was. Raises Refusal and ObjectGone.
     """
     scene, now = bpy.context.scene, bpy.context.scene.frame_current_final
     drawing = read_posed(obj, unkeyed=True)
     if not targets.has_targets(obj):
         raise Refusal("No pin has a target: choose one in the list of pins")
     shapes = {}
-    positions = drawing.positions
+    positions, read_at = drawing.positions, np.array(obj.matrix_world, np.float64)
     try:
         for done, frame in enumerate(frames, 1):
             scene.frame_set(frame)
             solving.halt()
-            posing = _from(drawing.resolve(), drawing, positions)
+            posing = followed(drawing.resolve(), drawing, positions, read_at)
             posing.run()
             positions = posing.positions
             shapes[float(frame)] = drawing.coordinates(positions)
@@ -79,29 +88,19 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
     for share in pose_edit.put_coordinates(drawing.resolve(), shapes, rest, throughout=True):
         yield 0.9 + 0.1 * share
     bake.blend_evenly(find(), frames)
+    find().planar.live = False  # it would show something else than what is keyed
 
 
-def _from(obj: bpy.types.Object, drawing: PosedObject, positions: Array) -> PinFollow:
-    """followed(), from other positions than those that were read, and wherever the object is by now."""
-    pins = pin_list.model_pins(obj, drawing)
-    inverse = np.linalg.inv(np.array(obj.matrix_world, np.float64))
-    goals = {}
-    for pin in pins:
-        listed = obj.planar.pins[pin.key]
-        if pin.enabled and listed.follow is not None:
-            local = inverse[:3, :3] @ targets.place_of(listed) + inverse[:3, 3]
-            goals[pin.key] = _in_depth(drawing, pin, drawing.from_local(local[None, :])[0])
-    if not goals:
-        raise Refusal("No pin that is on and holds vertices has a target: choose one in the list of pins")
-    poser = partial(drawing.poser, obj.planar.method.lower(), positions)
-    return PinFollow(drawing.cutout, positions, pins, goals, poser)
-
-
-def _goal(listed: bpy.types.PropertyGroup, pin: Pin, drawing: PosedObject) -> Array:
+def _goal(listed: bpy.types.PropertyGroup, pin: Pin, drawing: PosedObject, back: Array) -> Array:
     """Where a pin is to go in the drawing's frame."""
-    world = targets.place_of(listed)
-    seen = _seen_by_camera(drawing, pin, world)
-    return _in_depth(drawing, pin, drawing.from_world(world[None, :])[0] if seen is None else seen)
+    place = _moved(back, targets.place_of(listed))
+    seen = _seen_by_camera(drawing, pin, place, back)
+    return _in_depth(drawing, pin, drawing.from_world(place[None, :])[0] if seen is None else seen)
+
+
+def _moved(back: Array, place: Array) -> Array:
+    moved: Array = back[:3, :3] @ place + back[:3, 3]
+    return moved
 
 
 def _in_depth(drawing: PosedObject, pin: Pin, goal: Array) -> Array:
@@ -111,15 +110,15 @@ def _in_depth(drawing: PosedObject, pin: Pin, goal: Array) -> Array:
     return np.append(goal[:2], Holder(pin, drawing.cutout).place(drawing.positions)[2])
 
 
-def _seen_by_camera(drawing: PosedObject, pin: Pin, world: Array) -> Array | None:
+def _seen_by_camera(drawing: PosedObject, pin: Pin, place: Array, back: Array) -> Array | None:
     """Where the scene's camera, if it looks across a flat lattice, sees a place at a pin's depth (2,)."""
     camera = bpy.context.scene.camera
     if not isinstance(drawing, PosedLattice) or not drawing.flat:
         return None
     if camera is None or camera.type != "CAMERA" or camera.data.type != "PERSP":
         return None
-    towards = np.array(camera.matrix_world.to_3x3().col[2].normalized(), np.float64)
-    if abs(float(towards @ drawing.frame.n)) < 1.0 - ALONG:
+    matrix = back @ np.array(camera.matrix_world, np.float64)
+    axis = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    if abs(float(axis @ drawing.frame.n)) < 1.0 - ALONG:
         return None
-    eye = np.array(camera.matrix_world.translation, np.float64)
-    return drawing.plane_from_ray(eye, world - eye, Holder(pin, drawing.cutout))
+    return drawing.plane_from_ray(matrix[:3, 3], place - matrix[:3, 3], Holder(pin, drawing.cutout))

@@ -7,12 +7,26 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.plane.frame import Array
+from ...model.plane.frame import Array, mapped
 
 
 def has_targets(obj: bpy.types.Object) -> bool:
     """Whether any pin of an object has a target."""
     return any(pin.follow is not None for pin in obj.planar.pins)
+
+
+def stamp(obj: bpy.types.Object) -> str:
+    """Which pins that are on go where, seen from the object; empty: none does. Raises Refusal."""
+    goals = {
+        number: place_of(pin)
+        for number, pin in enumerate(obj.planar.pins)
+        if pin.enabled and pin.follow is not None
+    }
+    if not goals:
+        return ""
+    inverse = np.linalg.pinv(np.array(obj.matrix_world, np.float64))  # what is flat is refused elsewhere
+    local = mapped(np.stack(list(goals.values())), inverse[:3, :3]) + inverse[:3, 3]
+    return repr(list(goals)) + local.astype(np.float32).tobytes().hex()
 
 
 def place_of(pin: bpy.types.PropertyGroup) -> Array:

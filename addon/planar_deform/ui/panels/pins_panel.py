@@ -164,6 +164,7 @@ def _draw_pin(
         row = layout.row(align=True)
         row.operator("planar.solve_to_targets", icon="TRACKER")
         row.operator("planar.bake_targets", icon="REC", text="Bake")
+        row.prop(obj.planar, "live", toggle=True)
     fault = _fault(context, pin, index)
     if fault is not None:
         lines(column, fault, "ERROR", context)

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins that follow a target that is moved by hand, while it is moved."""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from cutouts import activate, sheet
+from harness import Window
+
+START = (1.5, 0.0, 0.0)
+
+
+def live(window: Window) -> Iterator[None]:
+    """A sheet in a lattice, with a pin at each end, of which one follows an Empty, which is active."""
+    obj = sheet("Sheet")
+    activate(obj)
+    yield from window.look("FRONT")
+    with window.context():
+        bpy.ops.planar.fit_lattice(resolution=(8, 6))
+        for place in ((-1.5, 0.0, 0.0), START):
+            bpy.ops.planar.add_pin(location=place)
+    target = bpy.data.objects.new("Target", None)
+    target.location = START
+    bpy.context.collection.objects.link(target)
+    cage = bpy.context.object
+    cage.planar.pins[1].follow = target
+    cage.planar.live = True
+    activate(target)
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.hover(window.pixel(START))
+    yield from window.wait(0.5)
+
+
+def end() -> np.ndarray:
+    """Where what the right pin holds is seen."""
+    obj = bpy.data.objects["Sheet"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+    cage = next(obj for obj in bpy.data.objects if obj.type == "LATTICE")
+    group = bpy.data.objects["Sheet"].vertex_groups[cage.planar.pins[1].group].index
+    held = [(v.co, g.weight) for v in obj.data.vertices for g in v.groups if g.group == group]
+    return np.average([obj.matrix_world @ co for co, _ in held], axis=0, weights=[w for _, w in held])
+
+
+def shape() -> np.ndarray:
+    data = next(obj for obj in bpy.data.objects if obj.type == "LATTICE").data
+    return np.array([point.co_deform for point in data.points])
+
+
+def test_the_pin_follows_while_its_target_is_moved(window: Window) -> Iterator[None]:
+    yield from live(window)
+    before, start = shape(), end()
+    yield from window.key("G")
+    goal = window.pixel((1.5, 0.0, 0.7))
+    yield from window.move(goal, steps=6)
+    yield from window.wait(0.5)
+    moved = np.array(bpy.data.objects["Target"].matrix_world.translation)
+    assert moved[2] > 0.4, moved
+    assert np.linalg.norm(end() - moved) < 0.03, "it follows before the button is released"
+    window.picture("live_targets")
+    yield from window.confirm()
+    yield from window.wait(0.5)
+    after = shape()
+    yield from window.undo()
+    yield from window.wait(0.5)
+    assert np.array_equal(shape(), before), "both go back with one undo"
+    yield from window.redo()
+    yield from window.wait(0.5)
+    assert np.allclose(shape(), after, atol=1e-3)
+    assert np.linalg.norm(end() - start) > 0.4
+
+
+def test_escape_takes_the_pin_back_with_its_target(window: Window) -> Iterator[None]:
+    yield from live(window)
+    start = end()
+    yield from window.key("G")
+    yield from window.move(window.pixel((1.5, 0.0, 0.7)), steps=6)
+    yield from window.wait(0.4)
+    assert np.linalg.norm(end() - start) > 0.4
+    yield from window.key("ESC")
+    yield from window.wait(0.5)
+    assert np.linalg.norm(end() - start) < 0.01, end()
+
+
+def test_the_frame_takes_the_target_and_the_pin_along(window: Window) -> Iterator[None]:
+    yield from live(window)
+    target = bpy.data.objects["Target"]
+    for frame, z in ((1, 0.0), (11, 0.6)):
+        target.location.z = z
+        target.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(11)
+    yield from window.wait(0.5)
+    assert np.linalg.norm(end() - (1.5, 0.0, 0.6)) < 0.03, end()
