@@ -91,9 +91,25 @@ def grab(window: Window) -> Iterator[None]:
 
 
 def settle(window: Window) -> Iterator[None]:
-    with window.context():
+    with window.context(), contextlib.suppress(RuntimeError):  # as in slide(), where the thread is that fast
         bpy.ops.planar.settle_pose("INVOKE_DEFAULT", True)
     yield from window.settled()
+
+
+def settle_late(window: Window) -> Iterator[None]:
+    """The same, where something has been solved before Blender looks for the first time."""
+    session = addon("operators.modal.session").Session
+    release = session.release
+
+    def late(self: Any) -> None:
+        self._thread.wait()
+        release(self)
+
+    session.release = late
+    try:
+        yield from settle(window)
+    finally:
+        session.release = release
 
 
 def record(window: Window) -> Iterator[None]:
@@ -154,6 +170,7 @@ def test_in_drags_and_settlings(window: Window) -> Iterator[None]:
         (session, "retrace", grab, 0),
         (operator, "edited", grab, 0),
         (posing, "show", settle, 0),
+        (posing, "show", settle_late, 0),
         (posing, "finish", settle, 0),
     ):
         yield from broken_in(window, owner, name, gesture, after=after)

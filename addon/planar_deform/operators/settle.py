@@ -34,8 +34,10 @@ class PLANAR_OT_settle_pose(Interactive, PinPosingOperator, bpy.types.Operator):
             return {"CANCELLED"}
         self._session = Session(context, posing, "Settling")
         self._session.ask(STILL)
-        context.window_manager.modal_handler_add(self)
-        return self.release()
+        result = self.guarded(self.release)  # it may have come to something, or gone wrong, by now
+        if result == {"RUNNING_MODAL"}:
+            context.window_manager.modal_handler_add(self)
+        return result
 
     def keep_result(self, solved: Solved) -> None:
         pass  # there is nothing to edit and nothing to repeat

@@ -209,16 +209,29 @@ class Interactive:
         raise NotImplementedError
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return self.guarded(lambda: self._go_on(context, event))
+
+    def guarded(self, step: Callable[[], set[str]]) -> set[str]:
+        """Take a step. Whatever goes wrong in it is told, and ends the operator with everything as it was."""
         try:
-            if self._session.ended:
+            try:
+                if self._session.ended:
+                    raise StoppedError("something else has begun")
+                return step()
+            except (ObjectGone, StoppedError):
                 self.leave()
                 return {"CANCELLED"}
-            return self._go_on(context, event)
+            except Refusal as refusal:
+                self.report({"WARNING"}, str(refusal))
+                return self.stop()
+            except native.SolveError as error:
+                self.report({"ERROR"}, str(error))
+                return self.stop()
         except Exception as error:  # Blender would call again and again; nothing may be left half done
             unexpected.tell(self, error)
-        for step in (self._session.take_back, self._session.clock.stop):
+        for undo in (self._session.take_back, self._session.clock.stop):
             try:
-                step()
+                undo()
             except Exception:
                 traceback.print_exc()
         return {"CANCELLED"}
@@ -228,35 +241,21 @@ class Interactive:
         self.stop()
 
     def _go_on(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """What an event does, and what is to be expected to go wrong then."""
+        """What an event does."""
         session = self._session
-        try:
-            if not session.posing.drawing.resolve().visible_get():
-                return self.stop()
-            session.show()
-            if not session.released:
-                return self.handle(context, event)
-            if (
-                event.value == "PRESS"
-                and not event.type.startswith(PASSED_ON)
-                and event.type not in MODIFIERS
-            ):
-                if session.catch_up():
-                    return self.finish() | {"PASS_THROUGH"}
-                # What there is to see of it is not what was asked for: it goes on to that, or not at all.
-                return self.stop() if event.type in {"ESC", "RIGHTMOUSE"} else {"RUNNING_MODAL"}
-            if event.type == "TIMER":
-                session.tell_progress(context)
-            return self.finish() if session.settled else {"PASS_THROUGH"}
-        except (ObjectGone, StoppedError):
-            self.leave()
-            return {"CANCELLED"}
-        except Refusal as refusal:
-            self.report({"WARNING"}, str(refusal))
+        if not session.posing.drawing.resolve().visible_get():
             return self.stop()
-        except native.SolveError as error:
-            self.report({"ERROR"}, str(error))
-            return self.stop()
+        session.show()
+        if not session.released:
+            return self.handle(context, event)
+        if event.value == "PRESS" and not event.type.startswith(PASSED_ON) and event.type not in MODIFIERS:
+            if session.catch_up():
+                return self.finish() | {"PASS_THROUGH"}
+            # What there is to see of it is not what was asked for: it goes on to that, or not at all.
+            return self.stop() if event.type in {"ESC", "RIGHTMOUSE"} else {"RUNNING_MODAL"}
+        if event.type == "TIMER":
+            session.tell_progress(context)
+        return self.finish() if session.settled else {"PASS_THROUGH"}
 
     def release(self) -> set[str]:
         """The user is done: let the drawing settle."""
