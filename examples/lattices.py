@@ -122,7 +122,7 @@ def picture(scene: Scene) -> Image.Image:
     shown = View(view.left + scene.x, view.bottom, view.unit, view.width, view.height)
     rendered = contact_sheet.render(bpy.context.scene, shown)
     points = np.concatenate([_world(obj)[:, (0, 2)] for obj in scene.objects]) - (scene.x, 0.0)
-    lattice = _points(scene.lattice)[:, (0, 2)] - (scene.x, 0.0)
+    lattice = _world(scene.lattice)[:, (0, 2)] - (scene.x, 0.0)
     edges = _edges(scene.lattice) + len(points)
     both = np.concatenate([points, lattice])
     seen = snapshot.of_active(bpy.context)
@@ -171,20 +171,12 @@ def _told(scene: Scene, rest: Sequence[np.ndarray]) -> str:
 
 
 def _world(obj: bpy.types.Object) -> np.ndarray:
-    """World positions of the original's vertices as the lattice leaves them, n x 3."""
-    vertices = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
-    points = np.empty(3 * len(vertices), np.float32)
-    vertices.foreach_get("co", points)
+    """World positions as they are shown of a mesh's vertices or a lattice's points, n x 3."""
+    data = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    found, name = (data.points, "co_deform") if obj.type == "LATTICE" else (data.vertices, "co")
+    points = np.empty(3 * len(found), np.float32)
+    found.foreach_get(name, points)
     matrix = np.array(obj.matrix_world)
-    return points.reshape(-1, 3).astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
-
-
-def _points(lattice: bpy.types.Object) -> np.ndarray:
-    """World positions of a lattice's points as they are shown, N x 3."""
-    data = lattice.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    points = np.empty(3 * len(data.points), np.float32)
-    data.points.foreach_get("co_deform", points)
-    matrix = np.array(lattice.matrix_world)
     return points.reshape(-1, 3).astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
 
 

@@ -12,9 +12,9 @@ from harness import Window, addon
 LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
 
 
-def shown() -> np.ndarray:
-    """What Blender shows of the active object, n x 3 float32."""
-    mesh = active().evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+def shown(obj: bpy.types.Object | None = None) -> np.ndarray:
+    """What Blender shows of a mesh, by default of the active object, n x 3 float32."""
+    mesh = (obj or active()).evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     coordinates = np.empty(len(mesh.vertices) * 3, np.float32)
     mesh.vertices.foreach_get("co", coordinates)
     return coordinates.reshape(-1, 3)

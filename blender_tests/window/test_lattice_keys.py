@@ -7,21 +7,13 @@ import bpy
 import numpy as np
 from cutouts import active, moved
 from harness import Window
-from poses import go_to
+from poses import go_to, shown
 from test_lattice_posing import LEFT, RIGHT, beside, place, points, ready
 from test_record import done, start, up_and_on
 
 
-def shown(name: str) -> np.ndarray:
-    """What Blender shows of a mesh, n x 3 float32."""
-    mesh = bpy.data.objects[name].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    coordinates = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.vertices.foreach_get("co", coordinates)
-    return coordinates.reshape(-1, 3)
-
-
 def meshes() -> np.ndarray:
-    return np.concatenate([shown("Back"), shown("Front")])
+    return np.concatenate([shown(bpy.data.objects["Back"]), shown(bpy.data.objects["Front"])])
 
 
 def at(frame: int) -> np.ndarray:

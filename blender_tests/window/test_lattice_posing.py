@@ -10,6 +10,7 @@ import numpy as np
 from cutouts import activate, active, imported, pin_data, selected, shape, sheet
 from harness import Window, addon
 from mathutils import Euler
+from poses import shown
 
 LEFT, RIGHT, OF_FRONT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0), (0.25, -0.3, 0.5)
 
@@ -304,11 +305,3 @@ def test_a_model_is_fitted_from_the_view_bent_and_all_of_it_undone(window: Windo
     assert not any(obj.type == "LATTICE" for obj in bpy.data.objects)
     assert not bpy.data.objects["Suzanne"].modifiers
     assert np.allclose(shown(bpy.data.objects["Suzanne"]), before, atol=1e-6)
-
-
-def shown(obj: bpy.types.Object) -> np.ndarray:
-    """Where Blender shows the vertices of an object that stands at the origin, n x 3."""
-    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    found = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.vertices.foreach_get("co", found)
-    return found.reshape(-1, 3)

@@ -17,7 +17,7 @@ from ..scene.inbetweens.breakdown import Way
 from ..scene.objects import modifiers
 from ..scene.view import snapshot
 from .keying import key_shown
-from .modal import running, unexpected
+from .modal import reports, running
 from .modal.session import CONFIRM, PASSED_ON, put_away, put_up
 from .poses import PoseListOperator
 
@@ -98,9 +98,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         return limited(self.percent / 100.0, overshoot=self.overshoot)
 
     def _key(self, context: bpy.types.Context) -> None:
-        told = key_shown(context, kind="BREAKDOWN")
-        if told is not None:
-            self.report({"INFO"}, told)
+        reports.inform(self, key_shown(context, kind="BREAKDOWN"))
 
     # ---- by mouse and keys
 
@@ -179,7 +177,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return self._stop()
         except Exception as error:  # Blender would call again and again
-            unexpected.tell(self, error)
+            reports.unexpected(self, error)
             return self._stop()
 
     def _stop(self) -> set[str]:

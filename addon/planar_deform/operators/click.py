@@ -12,6 +12,7 @@ from ..model.plane.frame import Array
 from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.objects.cutout_object import pose_refusal
+from ..scene.objects.modifiers import of_lattice
 from ..scene.pins import pin_list
 from ..scene.view import snapshot
 from ..scene.view.mouse import (
@@ -65,7 +66,7 @@ class PLANAR_OT_click(bpy.types.Operator):
         if self.add:
             return {"FINISHED"} if add_pin_under(self, context, event) else {"CANCELLED"}
         other = _object_under(context, *ray(region, view, mouse))
-        if other is not None and other != context.object and not _is_deformed(other, context.object):
+        if other is not None and other != context.object and not _belongs_to(other, context.object):
             return self._activate(context, other)
         obj = context.object
         shown = seen is not None and bool(seen.pins)
@@ -130,10 +131,9 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
     return True
 
 
-def _is_deformed(obj: bpy.types.Object, by: bpy.types.Object | None) -> bool:
+def _belongs_to(obj: bpy.types.Object, active: bpy.types.Object | None) -> bool:
     """Whether an object is deformed by a lattice that is posed, to which it belongs in the Pose tool then."""
-    lattices = [modifier.object for modifier in obj.modifiers if modifier.type == "LATTICE"]
-    return by is not None and by in lattices
+    return active is not None and bool(of_lattice(obj, active))
 
 
 def _missed(drawing: PosedObject) -> str:

@@ -25,7 +25,7 @@ from ..model.plane.frame import PlaneFrame
 from ..model.posing.posing import Posing, Sample, Solved, carried_path
 from ..model.posing.spreading import Spreading, carried_growth
 from ..scene.view.mouse import refuse_hidden, towards
-from .modal import running
+from .modal import reports, running
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
 from .modal.session import CONFIRM, PASSED_ON, Interactive, Session, is_dragged
@@ -98,12 +98,10 @@ class PinTransform(Interactive):
             recorded = list(self._recorded) or unpack_path(self.path)
             posing = self._begun(context)
             path = self.edited(recorded, posing.drawing.frame)
-            told = posing.run(path, settle=path != recorded)
+            reports.inform(self, posing.run(path, settle=path != recorded))
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        if told is not None:
-            self.report({"INFO"}, told)
         return {"FINISHED"}
 
     def _begun(self, context: bpy.types.Context) -> ObjectPosing:

@@ -10,7 +10,7 @@ from ..scene.motion import bake
 
 
 class FrameRange:
-    """Properties of an operator that bakes frames. For the next bake, perhaps of another object, they go."""
+    """Properties of an operator that bakes frames. The next one, perhaps of another object, has them anew."""
 
     properties: bpy.types.OperatorProperties  # of Blender's operators
 

@@ -27,6 +27,7 @@ from ..scene.objects.cutout_object import CutoutObject
 from ..scene.objects.lattice_object import LatticeObject, in_space, lattice_refusal
 from ..scene.pins import pin_list
 from .keying import auto_key
+from .modal import reports
 from .posing_operator import PinPosingOperator, PosingOperator
 
 _clipboard: CopiedPose | None = None  # as long as Blender runs, whatever files are opened
@@ -188,9 +189,7 @@ def _show(
     drawing.write(positions)
     if not isinstance(drawing, LatticeObject):
         pin_list.store_results(context.object, drawing, results)
-    told = auto_key(context)
-    if told is not None:
-        operator.report({"INFO"}, told)
+    reports.inform(operator, auto_key(context))
 
 
 CLASSES = (

@@ -13,6 +13,7 @@ from ..scene.objects.flat_object import make_current
 from ..scene.sequence import pose_edit, pose_list, pose_state
 from ..scene.view.mouse import hidden_refusal
 from .keying import key_shown
+from .modal import reports
 from .posing_operator import ShapeOperator
 
 
@@ -34,9 +35,7 @@ class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
         return self.execute(context)
 
     def apply(self, context: bpy.types.Context) -> None:
-        told = key_shown(context)
-        if told is not None:
-            self.report({"INFO"}, told)
+        reports.inform(self, key_shown(context))
 
 
 class PoseListOperator(ShapeOperator):

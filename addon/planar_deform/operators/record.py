@@ -23,7 +23,7 @@ from ..scene.sequence import pose_state
 from ..scene.view import snapshot
 from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, PATH, unpack_path
-from .modal import running, unexpected
+from .modal import reports, running
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
 from .modal.session import PASSED_ON, Interactive, Session, put_away, put_up
@@ -150,7 +150,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         try:
             return self._wait(context, event)
         except Exception as error:  # Blender would call again and again
-            unexpected.tell(self, error)
+            reports.unexpected(self, error)
             running.end()
             return {"CANCELLED"}
 

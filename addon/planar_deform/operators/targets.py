@@ -5,21 +5,22 @@ from __future__ import annotations
 
 import bpy
 
-from ..scene.lattice.posed import begin_posing, posing_refusal
+from ..scene.lattice.posed import begin_posing
 from ..scene.motion import to_targets
-from ..scene.objects import modifiers
 from ..scene.pins import pin_list, targets
 from .frame_range import FrameRange
 from .keying import auto_key
+from .modal import reports
 from .modal.long_job import Job, LongOperator
 from .posing_operator import PinPosingOperator
 
 
-def _refusal(obj: bpy.types.Object | None) -> str | None:
-    """Why there is no target to go to, and what to do."""
-    if not pin_list.has_pins(obj) or not targets.has_targets(obj):
-        return "No pin has a target: choose one in the list of pins"
-    return None
+def _refusal(context: bpy.types.Context) -> str | None:
+    """Why nothing can be taken to a target, and what to do."""
+    reason = PinPosingOperator.refusal(context)
+    if reason is None and not (pin_list.has_pins(context.object) and targets.has_targets(context.object)):
+        reason = "No pin has a target: choose one in the list of pins"
+    return reason
 
 
 class PLANAR_OT_solve_to_targets(PinPosingOperator, bpy.types.Operator):
@@ -29,13 +30,11 @@ class PLANAR_OT_solve_to_targets(PinPosingOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        return super().refusal(context) or _refusal(context.object)
+        return _refusal(context)
 
     def apply(self, context: bpy.types.Context) -> None:
         to_targets.solve(context.object, begin_posing(context))
-        told = auto_key(context)
-        if told is not None:
-            self.report({"INFO"}, told)
+        reports.inform(self, auto_key(context))
 
 
 class PLANAR_OT_bake_targets(FrameRange, LongOperator, bpy.types.Operator):
@@ -45,8 +44,7 @@ class PLANAR_OT_bake_targets(FrameRange, LongOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        obj = context.object
-        return posing_refusal(obj) or modifiers.covering(obj) or _refusal(obj)
+        return _refusal(context)
 
     def job(self, context: bpy.types.Context) -> Job:
         obj = context.object

@@ -3,9 +3,9 @@
 
 import bpy
 import numpy as np
-from lattice_scenes import TURNED, deform, lattice, world
+from lattice_scenes import TURNED, deform, lattice
 from sequences import curve_of, go_to
-from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
+from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object, world
 
 
 def bend(cage, amount, turn=0.0):

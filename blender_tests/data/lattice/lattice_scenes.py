@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 from mathutils import Euler, Matrix
-from support import activate, coordinates, evaluated, grid, make_object
+from support import activate, coordinates, evaluated, grid, make_object, world
 
 from planar_deform.scene.view import snapshot
 
@@ -51,11 +51,6 @@ def solid(matrix=TURNED):
     deform(sheet, cage)
     activate(cage)
     return cage, sheet
-
-
-def world(obj, points):
-    matrix = np.array(obj.matrix_world)
-    return points.astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def shown(obj, vertex):

@@ -17,9 +17,9 @@ from lattice_poses import (
     stored,
     two_layers,
 )
-from lattice_scenes import lattice, layered, pin_at, points, solid, world
+from lattice_scenes import lattice, layered, pin_at, points, solid
 from sequences import go_to
-from support import TRANSFORMS, activate, coordinates, evaluated
+from support import TRANSFORMS, activate, coordinates, evaluated, world
 
 
 def test_what_is_posed_between_keys_goes_with_the_frame_until_it_is_keyed():

@@ -4,9 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from lattice_scenes import deform, lattice, layered, moved_by, pin_at, points, seen, shown, solid, world
+from lattice_scenes import deform, lattice, layered, moved_by, pin_at, points, seen, shown, solid
 from mathutils import Matrix
-from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object
+from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object, world
 
 
 @pytest.mark.parametrize("build", [layered, solid])

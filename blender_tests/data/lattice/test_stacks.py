@@ -5,9 +5,9 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from support import activate, coordinates, evaluated, grid, make_object
+from support import activate, coordinates, grid, make_object, world
 from test_lattice_posing import layered, pin_at, shown
-from test_rig import random_scene, world
+from test_rig import assert_as_evaluated, random_scene
 
 from planar_deform.errors import Refusal
 from planar_deform.scene.lattice.rig import read_rig
@@ -59,16 +59,7 @@ def test_what_blender_evaluates_is_what_reaches_the_modifier_and_the_weighted_di
         [(modifier.name, modifier.show_viewport) for modifier in bpy.data.objects[f"Part {index}"].modifiers]
         for index in range(3)
     ]
-    found = read_rig(cage)
-    places = found.shown(world(cage, coordinates(cage.data.points, "co_deform")))
-    for obj, start in zip(found.meshes, found.starts, strict=False):
-        rows = found.rows_of(obj, np.arange(30, dtype=np.int32))
-        np.testing.assert_array_equal(rows, start + np.arange(30))
-        matrix = np.array(obj.matrix_world)
-        local = (places[rows] - matrix[:3, 3]) @ np.linalg.inv(matrix[:3, :3]).T
-        expected = evaluated(obj)
-        off = np.abs(local - expected).max() / max(1.0, np.abs(expected).max())
-        assert off <= 1e-6, (seed, obj.name)
+    found = assert_as_evaluated(cage, seed)
     after = [
         [(modifier.name, modifier.show_viewport) for modifier in bpy.data.objects[f"Part {index}"].modifiers]
         for index in range(3)

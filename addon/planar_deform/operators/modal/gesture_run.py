@@ -9,7 +9,7 @@ import bpy
 
 from ...errors import ObjectGone
 from ...scene.view import gesture
-from . import running, unexpected
+from . import reports, running
 from .session import put_away, put_up
 
 
@@ -74,7 +74,7 @@ class GestureOperator:
             except ObjectGone:
                 pass  # there is nothing left to choose
             except Exception as error:  # Blender would call again and again
-                unexpected.tell(self, error)
+                reports.unexpected(self, error)
         if result & {"FINISHED", "CANCELLED"}:
             self._run.end()
         return result

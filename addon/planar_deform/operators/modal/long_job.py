@@ -19,7 +19,7 @@ from ... import native
 from ...errors import ObjectGone, Refusal
 from ...model.work import Progress, Work
 from ..posing_operator import ShapeOperator
-from . import running, unexpected
+from . import reports, running
 from .session import PASSED_ON
 
 RATE = 1 / 60  # seconds between two looks
@@ -170,7 +170,7 @@ class LongOperator(ShapeOperator):
             self.report({"ERROR"}, str(error))
             return self._end({"CANCELLED"})
         except Exception as error:  # Blender would call again and again; nothing may be left half done
-            unexpected.tell(self, error)
+            reports.unexpected(self, error)
             return self._end({"FINISHED"} if done else {"CANCELLED"})
 
     def _tell(self, run: LongRun) -> None:
@@ -188,7 +188,7 @@ class LongOperator(ShapeOperator):
             if not run.stopped:
                 run.give_way()
         except Exception as error:  # it could not put everything back
-            unexpected.tell(self, error)
+            reports.unexpected(self, error)
         return result
 
 

@@ -19,7 +19,7 @@ from ...errors import ObjectGone, Refusal, try_all
 from ...model.posing.posing import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
 from ...scene.view import snapshot
-from . import running, unexpected
+from . import reports, running
 from .object_posing import NOTICED, ObjectPosing
 
 RATE = 1 / 120  # seconds between two looks at what the thread has solved
@@ -228,7 +228,7 @@ class Interactive:
                 self.report({"ERROR"}, str(error))
                 return self.stop()
         except Exception as error:  # Blender would call again and again; nothing may be left half done
-            unexpected.tell(self, error)
+            reports.unexpected(self, error)
         for undo in (self._session.take_back, self._session.clock.stop):
             try:
                 undo()
@@ -280,8 +280,7 @@ class Interactive:
         told = session.posing.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
-        if told is not None:
-            self.report({"INFO"}, told)
+        reports.inform(self, told)
         return {"FINISHED"}
 
     def leave(self) -> None:

@@ -14,8 +14,9 @@ from ...errors import Refusal
 from ...model.lattice.fitting import fitted_box
 from ...model.plane.frame import Array, mapped, plane_frame
 from ..objects.flat_object import data_refusal, is_flat, linear_of, origin_of
+from ..objects.modifiers import of_lattice
 from ..objects.pose_store import store_of
-from ..objects.triangulation import faces_of
+from ..objects.triangulation import Faces, faces_of
 from ..storage.vertex_groups import members
 
 
@@ -33,10 +34,16 @@ def refusal(objects: Sequence[bpy.types.Object]) -> str | None:
     return None
 
 
-def world_of(obj: bpy.types.Object) -> Array:
-    """World positions n x 3 of the vertices of faces, as they reach the first modifier. Raises Refusal."""
+def _read(obj: bpy.types.Object) -> tuple[Array, Faces]:
+    """The vertices of faces as they reach the first modifier, n x 3 and object-local, and the faces."""
     shape = store_of(obj, unkeyed=True).shown.astype(np.float32)
-    places = shape[faces_of(obj.data, shape).vertices].astype(np.float64)
+    faces = faces_of(obj.data, shape)
+    return shape[faces.vertices].astype(np.float64), faces
+
+
+def world_of(obj: bpy.types.Object) -> Array:
+    """The same vertices in the world. Raises Refusal."""
+    places, _ = _read(obj)
     if not np.isfinite(places).all():
         raise Refusal(f"'{obj.name}' has vertices with coordinates that are not numbers: delete them")
     return mapped(places, linear_of(obj)) + origin_of(obj)
@@ -49,9 +56,7 @@ def plane_of(objects: Sequence[bpy.types.Object]) -> Quaternion | None:
     """
     frame = None
     for obj in objects:
-        shape = store_of(obj, unkeyed=True).shown.astype(np.float32)
-        faces, linear = faces_of(obj.data, shape), linear_of(obj)
-        places = shape[faces.vertices].astype(np.float64)
+        (places, faces), linear = _read(obj), linear_of(obj)
         if frame is None:
             frame = plane_frame(places, faces.triangles, linear)
         if frame is None or not is_flat(frame, mapped(places, linear), faces.parts):
@@ -140,6 +145,5 @@ def _copy_group(source: bpy.types.Object, obj: bpy.types.Object, name: str) -> N
 def modifiers_of(lattice: bpy.types.Object) -> Iterable[tuple[bpy.types.Object, bpy.types.Modifier]]:
     """All objects that a lattice deforms, hidden ones as well, with the modifiers."""
     for obj in bpy.data.objects:
-        for modifier in obj.modifiers:
-            if modifier.type == "LATTICE" and modifier.object == lattice:
-                yield obj, modifier
+        for modifier in of_lattice(obj, lattice):
+            yield obj, modifier

@@ -22,6 +22,7 @@ from ...errors import Refusal
 from ...model.lattice.cells import EQUAL, Counts, layers_across
 from ...model.plane.frame import Array, Array32, Indices, mapped
 from ..objects.flat_object import linear_of, origin_of
+from ..objects.modifiers import of_lattice
 from ..objects.pose_store import store_of
 from ..objects.triangulation import Faces, faces_of
 from ..storage import changes, points
@@ -184,9 +185,8 @@ def deformed(lattice: bpy.types.Object) -> Iterator[tuple[bpy.types.Object, bpy.
     for obj in bpy.context.view_layer.objects:
         if obj.type != "MESH":
             continue
-        for modifier in obj.modifiers:
-            uses = modifier.type == "LATTICE" and modifier.show_viewport and modifier.object == lattice
-            if uses and not obj.hide_viewport and not obj.hide_get():  # last, as it takes longest
+        for modifier in of_lattice(obj, lattice):
+            if modifier.show_viewport and not obj.hide_viewport and not obj.hide_get():  # as it takes longest
                 yield obj, modifier
 
 

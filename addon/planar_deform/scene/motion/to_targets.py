@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from functools import partial
 
 import bpy
@@ -14,7 +14,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array
 from ...model.posing import solving
 from ...model.posing.pin_follow import PinFollow
-from ...model.posing.pins import Holder, Pin
+from ...model.posing.pins import Holder
 from ..lattice.posed import PosedObject, read_posed
 from ..lattice.posed_lattice import PosedLattice
 from ..pins import pin_list, targets
@@ -24,31 +24,43 @@ from . import bake
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
 
 
+def bound(obj: bpy.types.Object, drawing: PosedObject) -> list[Holder]:
+    """The usable pins of an object, bound to what has been read of it."""
+    return pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
+
+
 def followed(
-    obj: bpy.types.Object, drawing: PosedObject, positions: Array, read_at: Array | None = None
+    obj: bpy.types.Object,
+    drawing: PosedObject,
+    holders: Sequence[Holder],
+    positions: Array,
+    read_at: Array | None = None,
 ) -> PinFollow:
     """The posing that takes the pins of an object from positions to where their targets are.
 
-    `read_at`: the object's matrix when it was read, if it may have moved since. Raises Refusal.
+    `holders`: see bound(). `read_at`: the object's matrix when it was read, if it may have moved since.
+    Raises Refusal.
     """
-    pins = pin_list.model_pins(obj, drawing)
-    usable = [pin for pin in pins if pin.enabled and obj.planar.pins[pin.key].follow is not None]
-    if not usable:
+    enabled = [holder for holder in holders if holder.pin.enabled]
+    going = [holder for holder in enabled if obj.planar.pins[holder.pin.key].follow is not None]
+    if not going:
         raise Refusal("No pin that is on and holds vertices has a target: choose one in the list of pins")
     matrix = np.array(obj.matrix_world, np.float64)
     back = np.eye(4)  # takes the world to where it was about the object when that was read
     if read_at is not None and not np.array_equal(matrix, read_at):
         back = read_at @ np.linalg.inv(matrix)
-    goals = {pin.key: _goal(obj.planar.pins[pin.key], pin, drawing, back) for pin in usable}
+    goals = {
+        holder.pin.key: _goal(obj.planar.pins[holder.pin.key], holder, drawing, back) for holder in going
+    }
     poser = partial(drawing.poser, obj.planar.method.lower(), positions)
-    return PinFollow(drawing.cutout, positions, pins, goals, poser)
+    return PinFollow(drawing.cutout, positions, [holder.pin for holder in holders], goals, poser)
 
 
 def solve(obj: bpy.types.Object, drawing: PosedObject) -> None:
     """Show the object with its pins at their targets. Raises Refusal, with nothing changed."""
     solving.halt()
     pin_list.sync(obj)
-    posing = followed(obj, drawing, drawing.positions)
+    posing = followed(obj, drawing, bound(obj, drawing), drawing.positions)
     try:
         posing.run()
     except native.SolveError as error:
@@ -66,15 +78,13 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
     """
     scene, now = bpy.context.scene, bpy.context.scene.frame_current_final
     drawing = read_posed(obj, unkeyed=True)
-    if not targets.has_targets(obj):
-        raise Refusal("No pin has a target: choose one in the list of pins")
-    shapes = {}
+    holders, shapes = bound(obj, drawing), {}
     positions, read_at = drawing.positions, np.array(obj.matrix_world, np.float64)
     try:
         for done, frame in enumerate(frames, 1):
             scene.frame_set(frame)
             solving.halt()
-            posing = followed(drawing.resolve(), drawing, positions, read_at)
+            posing = followed(drawing.resolve(), drawing, holders, positions, read_at)
             posing.run()
             positions = posing.positions
             shapes[float(frame)] = drawing.coordinates(positions)
@@ -91,11 +101,11 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
     find().planar.live = False  # it would show something else than what is keyed
 
 
-def _goal(listed: bpy.types.PropertyGroup, pin: Pin, drawing: PosedObject, back: Array) -> Array:
+def _goal(listed: bpy.types.PropertyGroup, holder: Holder, drawing: PosedObject, back: Array) -> Array:
     """Where a pin is to go in the drawing's frame."""
     place = _moved(back, targets.place_of(listed))
-    seen = _seen_by_camera(drawing, pin, place, back)
-    return _in_depth(drawing, pin, drawing.from_world(place[None, :])[0] if seen is None else seen)
+    seen = _seen_by_camera(drawing, holder, place, back)
+    return _in_depth(drawing, holder, drawing.from_world(place[None, :])[0] if seen is None else seen)
 
 
 def _moved(back: Array, place: Array) -> Array:
@@ -103,14 +113,14 @@ def _moved(back: Array, place: Array) -> Array:
     return moved
 
 
-def _in_depth(drawing: PosedObject, pin: Pin, goal: Array) -> Array:
+def _in_depth(drawing: PosedObject, holder: Holder, goal: Array) -> Array:
     """A goal at the depth of the pin itself, where it is moved in a plane."""
     if not isinstance(drawing, PosedLattice) or not drawing.flat:
         return goal
-    return np.append(goal[:2], Holder(pin, drawing.cutout).place(drawing.positions)[2])
+    return np.append(goal[:2], holder.place(drawing.positions)[2])
 
 
-def _seen_by_camera(drawing: PosedObject, pin: Pin, place: Array, back: Array) -> Array | None:
+def _seen_by_camera(drawing: PosedObject, holder: Holder, place: Array, back: Array) -> Array | None:
     """Where the scene's camera, if it looks across a flat lattice, sees a place at a pin's depth (2,)."""
     camera = bpy.context.scene.camera
     if not isinstance(drawing, PosedLattice) or not drawing.flat:
@@ -121,4 +131,4 @@ def _seen_by_camera(drawing: PosedObject, pin: Pin, place: Array, back: Array) -
     axis = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
     if abs(float(axis @ drawing.frame.n)) < 1.0 - ALONG:
         return None
-    return drawing.plane_from_ray(matrix[:3, 3], place - matrix[:3, 3], Holder(pin, drawing.cutout))
+    return drawing.plane_from_ray(matrix[:3, 3], place - matrix[:3, 3], holder)

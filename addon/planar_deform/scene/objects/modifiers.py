@@ -33,6 +33,12 @@ DEFORMING = frozenset(
 )
 
 
+def of_lattice(obj: bpy.types.Object, lattice: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """The modifiers by which a lattice deforms an object."""
+    lattices = (modifier for modifier in obj.modifiers if modifier.type == "LATTICE")
+    return [modifier for modifier in lattices if modifier.object == lattice]
+
+
 def shifting(obj: bpy.types.Object, below: bpy.types.Modifier | None = None) -> list[str]:
     """Names of the modifiers shown in the viewport that move vertices (or may: geometry nodes).
 

@@ -21,6 +21,7 @@ from ...model.posing.posing import PinResult
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE
 from ..objects.flat_object import MAKE_LOCAL
+from ..objects.modifiers import of_lattice
 from ..storage import migration
 from ..storage.vertex_groups import Members, members
 
@@ -89,7 +90,7 @@ def _find_lost(lattice: bpy.types.Object) -> None:
             if obj.type == "MESH"
             and pin.group in obj.vertex_groups
             and obj.users_scene
-            and any(mod.type == "LATTICE" and mod.object == lattice for mod in obj.modifiers)
+            and of_lattice(obj, lattice)
         ]
         if len(found) == 1 or pin.object is not None:
             held = pin.has_target, pin.angle

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What operators report, beside refusals."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from typing import Protocol
+
+
+class _Reporting(Protocol):
+    report: Callable[[set[str], str], None]  # of Blender's operators
+
+
+def inform(operator: _Reporting, told: str | None) -> None:
+    """Report what was done otherwise than one may think; None: nothing was."""
+    if told is not None:
+        operator.report({"INFO"}, told)
+
+
+def unexpected(operator: _Reporting, error: Exception) -> None:
+    """Report an error that nobody has thought of, with its traceback in the console.
+
+    The caller ends what runs: Blender would call it again and again.
+    """
+    traceback.print_exception(error)
+    operator.report({"ERROR"}, f"Unexpected error, see the console: {error}")
