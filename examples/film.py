@@ -19,7 +19,8 @@ from planar_deform.scene.sequence.pose_blocks import own_curve
 FPS = 24
 SAMPLES = 4
 HOLD = 5  # frames for which a pose stands
-CELL = 0.3  # of the film's size
+PERCENTAGE = 75  # of the view's pixels; what a frame costs grows with them
+CELL = 0.4  # of the film's size
 SKY = ((172, 212, 214), (250, 226, 196))  # above, at the horizon
 GROUND = ((214, 190, 152), (190, 160, 122))  # at the horizon, below
 HORIZON = 0.30  # world units above the ground line on which the characters stand
@@ -73,6 +74,7 @@ def prepare(scene: bpy.types.Scene, view: View) -> None:
     render = scene.render
     render.film_transparent = False
     render.fps = FPS
+    render.resolution_percentage = PERCENTAGE
     settings = render.image_settings
     if hasattr(settings, "media_type"):  # from 5.0
         settings.media_type = "VIDEO"

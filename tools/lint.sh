@@ -30,7 +30,7 @@ mapfile -t shell < <(git ls-files '*.sh' '.ci/run')
 ruff=.venv/bin/ruff
 
 check clang-format clang-format --dry-run -Werror "${native[@]}"
-cmake -S . -B build/lint -DPLANAR_PYTHON=ON -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=OFF \
+cmake -S . -B build/lint -DPLANAR_PYTHON=ON -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=OFF -DCMAKE_UNITY_BUILD=OFF \
     -Dpybind11_DIR="$(.venv/bin/python -m pybind11 --cmakedir)" >/dev/null # without what clang does not know of gcc
 tidy() { xargs -r -n 1 -P "$(nproc)" clang-tidy --quiet -p build/lint <<<"$compiled"; }
 check "clang-tidy of $(wc -w <<<"$compiled") sources" tidy

@@ -3,7 +3,7 @@
 # Builds planar_native's wheel for a virtual environment's Python and installs it there; does nothing when the
 # sources have not changed. The wheel is built once per distribution and Python, whichever environments ask. A WHEEL
 # that is given is installed instead.
-# usage: tools/module.sh VENV [WHEEL]
+# usage: tools/module.sh VENV [WHEEL | --only-wheel]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 venv=$(realpath "$1")
@@ -14,7 +14,7 @@ install() { # install STAMP WHEEL
     "$venv/bin/python" -m pip install -qq --disable-pip-version-check --no-deps --force-reinstall "$2"
     echo "$1" >"$venv/.module"
 }
-if [[ -n ${2:-} ]]; then
+if [[ -n ${2:-} && $2 != --only-wheel ]]; then
     install "$(sha256sum "$2")" "$2"
     exit
 fi
@@ -35,4 +35,4 @@ if [[ ! -f $wheels/.stamp || $(<"$wheels/.stamp") != "$stamp" ]]; then
         --config-settings=build-dir="build/module-$tag" --wheel-dir "$wheels" .
     echo "$stamp" >"$wheels/.stamp"
 fi
-install "$stamp" "$wheels"/*.whl
+[[ ${2:-} == --only-wheel ]] || install "$stamp" "$wheels"/*.whl

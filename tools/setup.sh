@@ -20,7 +20,10 @@ bpy_environment() {
     local version
     tools/apt.sh "${build_packages[@]}" "${bpy_packages[@]}"
     version=$(tools/default_bpy.sh)
+    tools/venv.sh .venv common.txt
+    tools/module.sh .venv --only-wheel & # while bpy is fetched
     tools/venv.sh .venv "bpy-$version.txt" "$@"
+    wait $!
     tools/module.sh .venv
 }
 

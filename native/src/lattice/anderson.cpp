@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lattice/anderson.h"
 
-#include <Eigen/QR>
 #include <utility>
+
+#include "linear/least_squares.h"
 
 namespace planar {
 
@@ -28,7 +29,7 @@ Eigen::VectorXd Anderson::next(const Eigen::VectorXd& x, const Eigen::VectorXd& 
   const auto columns = static_cast<Eigen::Index>(residual_change_.size());
   Eigen::MatrixXd changes(x.size(), columns);
   for (Eigen::Index c = 0; c < columns; ++c) changes.col(c) = residual_change_[static_cast<std::size_t>(c)];
-  const Eigen::VectorXd share = changes.colPivHouseholderQr().solve(residual);
+  const Eigen::VectorXd share = least_squares(changes, residual);
   Eigen::VectorXd result = mapped;
   for (Eigen::Index c = 0; c < columns; ++c) result -= share[c] * mapped_change_[static_cast<std::size_t>(c)];
   return result.allFinite() ? result : mapped;

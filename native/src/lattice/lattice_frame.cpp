@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lattice/lattice_frame.h"
 
-#include <Eigen/QR>
 #include <cmath>
 
 #include "base/checks.h"
 #include "base/index.h"
+#include "linear/least_squares.h"
 
 namespace planar {
 
@@ -49,7 +49,8 @@ LatticeFrame::LatticeFrame(const Coordinates& points)
 
 Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> LatticeFrame::in_steps(
     const Coordinates& places) const {
-  const Eigen::MatrixXd inverse = steps_.completeOrthogonalDecomposition().pseudoInverse();  // 3×D
+  const Eigen::MatrixXd inverse =
+      least_squares(steps_, Eigen::MatrixXd::Identity(steps_.rows(), steps_.rows()));  // 3×D
   return (places.rowwise() - origin_) * inverse.transpose();
 }
 

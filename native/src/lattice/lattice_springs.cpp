@@ -2,7 +2,6 @@
 #include "lattice/lattice_springs.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <utility>
 
 #include "base/complex_rows.h"
@@ -68,10 +67,23 @@ Eigen::Matrix3d best_turn(const Rows<3>& from, const Rows<3>& to, const Eigen::V
   const double far = std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff());
   const double spread = std::max(p.cwiseAbs().maxCoeff(), q.cwiseAbs().maxCoeff());
   if (!(s.norm() > 1e-14 * far * spread * weight.sum())) return Eigen::Matrix3d::Identity();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (svd.singularValues()[1] <= 1e-9 * svd.singularValues()[0]) {
-    // All on a line: nothing is turned about it.
-    return Eigen::Quaterniond::FromTwoVectors(svd.matrixU().col(0), svd.matrixV().col(0)).toRotationMatrix();
+  // The norm of the matrix of cofactors is near the product of the two largest singular values.
+  Eigen::Matrix3d cofactors;
+  cofactors << s.col(1).cross(s.col(2)), s.col(2).cross(s.col(0)), s.col(0).cross(s.col(1));
+  if (cofactors.norm() <= 1e-9 * s.squaredNorm()) {
+    // All on a line, S = σ u vᵀ: nothing is turned about it.
+    Eigen::Index row = 0, column = 0;
+    s.cwiseAbs().maxCoeff(&row, &column);
+    const Eigen::Vector3d u = (s.col(column) * s(row, column)).normalized(), v = s.row(row).normalized();
+    const Eigen::Vector3d middle = (u + v).normalized();
+    Eigen::Quaterniond turn;
+    turn.w() = u.dot(middle);
+    turn.vec() = u.cross(middle);
+    if ((u + v).norm() < 1e-7) {  // back to front
+      turn.w() = 0.0;
+      turn.vec() = u.unitOrthogonal();
+    }
+    return turn.toRotationMatrix();
   }
   return nearest_rotation(s);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "posing/killing_solver.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,6 +9,7 @@
 #include "base/checks.h"
 #include "base/diameter.h"
 #include "base/index.h"
+#include "linear/least_squares.h"
 
 namespace planar {
 
@@ -256,10 +256,7 @@ void KillingSolver::solve_hard() {
   }
   // Dependent constraints (four handles in a triangle) make it singular; a rank-revealing factor meets them
   // by least squares.
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense(n_constraints, n_constraints);
-  dense.setThreshold(1e-10);
-  dense.compute(schur);
-  const Eigen::VectorXd multiplier = dense.solve(wanted);
+  const Eigen::VectorXd multiplier = least_squares(schur, wanted, 1e-10);
   unknown.setZero();
   for (Eigen::Index k = 0; k < n_constraints; ++k) {
     for_entries(k, [&](Eigen::Index row, double weight) { unknown[row] += weight * multiplier[k]; });

@@ -6,6 +6,7 @@
 
 #include "dense.h"
 #include "lattice/anderson.h"
+#include "lattice/lattice_springs.h"
 #include "lattice/lattice_support.h"
 #include "lattice/nearest_rotation.h"
 #include "lattice/paper_system.h"
@@ -38,6 +39,24 @@ TEST(NearestRotation, OfLinesAndNothingIsOneOfTheBest) {
   }
   EXPECT_EQ(nearest_rotation(Eigen::Matrix3d(Eigen::Matrix3d::Zero())), Eigen::Matrix3d::Identity());
   EXPECT_EQ(nearest_rotation(Eigen::Matrix2d(Eigen::Matrix2d::Zero())), Eigen::Matrix2d::Identity());
+}
+
+/// Points on a line say how the line turns, and not how things turn about it: the least turn is meant.
+TEST(FitMotion, OfALineTurnsNothingAboutIt) {
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    const Coordinates ways = random_coordinates(4, 3, seed);
+    const Eigen::RowVector3d from = ways.row(0).normalized();
+    Eigen::RowVector3d to = ways.row(1).normalized();
+    if (seed % 10 == 0) to = from;
+    if (seed % 10 == 1) to = -from;
+    const Eigen::Vector3d along(-1.0, 0.5, 2.0);
+    const Rows<3> p = (along * from).rowwise() + ways.row(2), q = (along * to).rowwise() + ways.row(3);
+    const Motion<3> motion = fit_motion<3>(p, q, Eigen::Vector3d(1.0, 2.0, 0.5));
+    EXPECT_LT((motion.turn * from.transpose() - to.transpose()).norm(), 1e-9) << seed;
+    EXPECT_NEAR(motion.turn.determinant(), 1.0, 1e-12);
+    EXPECT_NEAR((motion.turn.trace() - 1.0) / 2.0, from.dot(to), 1e-9)
+        << "the angle is that between the lines";
+  }
 }
 
 /// [LPFFD 9], an iteration in plain dense algebra in P: rotations by singular values, then the normal
