@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Prints the tables of the native solver's speed, what a drag costs in Blender's window, and how well and fast
+# Prints the tables of the native solver's speed, what a lattice and a drag cost in Blender, and how well and fast
 # the module poses, and makes in-betweens, beside others.
 # usage: tools/bench.sh
 set -euo pipefail
@@ -15,5 +15,7 @@ tools/apt.sh "${benchmark_packages[@]}"
     cmake --build build/release --parallel "$(nproc)" --target planar_benchmarks
 )
 build/release/benchmarks/planar_benchmarks
+tools/setup.sh test
+.venv/bin/python blender_tests/data/lattice_cost.py
 tools/window_tests.sh blender_tests/window/event_cost.py
 tools/figures.sh
