@@ -25,7 +25,7 @@ if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
         "remove other copies of the extension, install it again and restart Blender"
     )
 
-Method = Literal["hold", "akvf"]
+Method = Literal["hold", "akvf", "arap"]
 
 
 class Elements(TypedDict, total=False):

@@ -60,7 +60,7 @@ class _Settling:
         self.drawing = read_cutout(obj, mode=obj.mode)
         settings, positions = obj.planar, self.drawing.positions
         used = pin_list.model_pins(obj, self.drawing)
-        if settings.method != "HOLD" or not any(pin.enabled for pin in used):
+        if settings.method == "AKVF" or not any(pin.enabled for pin in used):
             raise Refusal("Stiffness is felt when pins are moved")
         make_poser = partial(self.drawing.poser, settings.method.lower(), positions)
         self._solved: Solved | None = None

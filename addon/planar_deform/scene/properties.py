@@ -230,6 +230,12 @@ class PlanarSettings(bpy.types.PropertyGroup):
                 "As-Killing-as-possible: each move keeps the drawing as rigid as it can locally, and begins "
                 "from where the last one ended. Forgets the rest shape",
             ),
+            (
+                "ARAP",
+                "ARAP",
+                "As-rigid-as-possible, in two linear steps, as other programs know it: quick at any size, but "
+                "it depends on how the drawing is meshed, and large poses turn triangles over",
+            ),
         ),
         update=_number,
         options=NOT_ANIMATED,

@@ -16,11 +16,11 @@ DISTORTED = 2.02
 def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion]) -> str | None:
     """What the next drag does to a pose that no pin of the object has made; None where that is nothing.
 
-    `distortion`: of the shape that is shown. Hold Shape gives the shape that belongs to the pins: whatever
-    none of them holds goes back to rest.
+    `distortion`: of the shape that is shown. All methods but AKVF give the shape that belongs to the pins:
+    whatever none of them holds goes back to rest.
     """
     enabled = [pin for pin in obj.planar.pins if pin.enabled]
-    if obj.planar.method != "HOLD" or not enabled or any(pin.has_target for pin in enabled):
+    if obj.planar.method == "AKVF" or not enabled or any(pin.has_target for pin in enabled):
         return None
     found = distortion()
     if max(found.triangle_area.max(), found.triangle_angle.max()) <= DISTORTED:
