@@ -401,7 +401,8 @@ TEST_P(Distance, OddSizesAndPlacesAreHarmless) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, Distance, ::testing::Values(PoserMethod::hold, PoserMethod::akvf));
+INSTANTIATE_TEST_SUITE_P(Methods, Distance,
+                         ::testing::Values(PoserMethod::hold, PoserMethod::akvf, PoserMethod::arap));
 
 TEST(Poser, StiffTrianglesBendLess) {
   const Shape shape = bar();
