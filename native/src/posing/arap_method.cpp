@@ -2,6 +2,8 @@
 #include "posing/arap_method.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/checks.h"
@@ -19,6 +21,14 @@ constexpr double one_point = 5e-6;
 constexpr double tolerance = 1e-5;  // of the diameter
 constexpr int settle_budget = 500;  // iterations; what poses of drawings need
 
+/// A power of two near the size of the rest: dividing by it loses no digit.
+double unit_of(const Points& rest) {
+  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  int exponent = 0;
+  std::frexp(std::min(size, std::numeric_limits<double>::max()), &exponent);
+  return std::ldexp(1.0, exponent - 1);
+}
+
 RestOf in(const Points& rest) {
   return [&rest](int, int v) -> Eigen::Vector2d { return rest.row(v); };
 }
@@ -31,9 +41,10 @@ Eigen::VectorXd weights_of(const Mesh& mesh, const Points& rest, const Eigen::Ve
 
 }  // namespace
 
-ArapMethod::ArapMethod(Points rest, const Triangles& triangles, const Eigen::VectorXd& stiffness,
+ArapMethod::ArapMethod(const Points& rest, const Triangles& triangles, const Eigen::VectorXd& stiffness,
                        ArapWeights weights)
-    : rest_(std::move(rest)),
+    : unit_(unit_of(rest)),
+      rest_(rest / unit_),
       size_(diameter(rest_)),
       mesh_(rest_.rows(), triangles),
       solver_(mesh_, in(rest_), weights_of(mesh_, rest_, stiffness, weights)),
@@ -73,7 +84,8 @@ void ArapMethod::take_targets(const Points& targets) {
   std::fill(start_.begin(), start_.end(), Eigen::RowVector2d::Zero());
   for (Pin& pin : pins_) {
     pin.position.setZero();
-    for (const int row : pin.rows) pin.position += targets.row(row) / static_cast<double>(pin.rows.size());
+    for (const int row : pin.rows)
+      pin.position += targets.row(row) / (unit_ * static_cast<double>(pin.rows.size()));
     weight[at(pin.part)] += pin.strength;
     // The mean as it grows, lest the sum overflow.
     const double share = pin.strength / weight[at(pin.part)];
@@ -89,9 +101,9 @@ void ArapMethod::place(Points& x) const {
     if (part < 0 || !pinned_[at(part)]) continue;
     const std::complex<double> p = numbers_[at(v)];
     if (determined_[at(part)]) {
-      x.row(v) << centre_[at(part)].x() + p.real(), centre_[at(part)].y() + p.imag();
+      x.row(v) = unit_ * (centre_[at(part)] + Eigen::RowVector2d(p.real(), p.imag()));
     } else {
-      x.row(v) = rest_.row(v) + (centre_[at(part)] - start_[at(part)]);
+      x.row(v) = unit_ * (rest_.row(v) + (centre_[at(part)] - start_[at(part)]));
     }
   }
   if (!x.allFinite()) throw SolveError("the shape is not finite: the targets are too far apart");

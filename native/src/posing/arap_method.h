@@ -16,7 +16,8 @@ namespace planar {
 class ArapMethod final : public PosingMethod {
  public:
   /// \param stiffness m factors, or empty
-  ArapMethod(Points rest, const Triangles& triangles, const Eigen::VectorXd& stiffness, ArapWeights weights);
+  ArapMethod(const Points& rest, const Triangles& triangles, const Eigen::VectorXd& stiffness,
+             ArapWeights weights);
 
   void set_handles(const HandleSet& handles) override;
   void move(const Points& targets, Points& x, Report& report) override;
@@ -33,6 +34,7 @@ class ArapMethod final : public PosingMethod {
   void take_targets(const Points& targets);
   void place(Points& x) const;
 
+  double unit_;  ///< of the lengths below, so that their squares are numbers whatever the caller's unit
   Points rest_;
   double size_;
   Mesh mesh_;
