@@ -76,8 +76,8 @@ def slim_seconds(shape: Shape, pose: Pose, pin_weight: float, iterations: int) -
 
 
 def _arap_iterations(shape: Shape, pose: Pose) -> Iterator[tuple[float, np.ndarray]]:
-    """Wall time and result of each iteration of local/global ARAP in the plane with hard handles, from the rest shape;
-    its factorization is not counted."""
+    """Wall time and result of each iteration of local/global ARAP in the plane with hard handles, from the
+    rest shape; its factorization is not counted."""
     data = igl.ARAPData()
     igl.arap_precomputation(shape.rest, shape.triangles, 2, pose.handles.astype(np.int32), data)
     data.max_iter = 1

@@ -117,11 +117,10 @@ def test_akvf_turns_rigid_motion_into_rigid_motion():
 def test_arap_two_step_is_exact_on_similarities_and_rigid_motions(handles, weights):
     vertices, triangles = reference.bar()
     turn = np.array([[np.cos(2.0), np.sin(2.0)], [-np.sin(2.0), np.cos(2.0)]])
-    rest = (
-        vertices[handles]
-        if isinstance(handles, list)
-        else (np.einsum("kc,kcd->kd", handles[1], vertices[triangles[handles[0]]]))
-    )
+    if isinstance(handles, tuple):
+        rest = np.einsum("kc,kcd->kd", handles[1], vertices[triangles[handles[0]]])
+    else:
+        rest = vertices[handles]
     for scale in (1.0, 1.5):
         similar, final = planar_native.arap_two_step(
             vertices, triangles, handles, scale * rest @ turn + 3.0, weights=weights
