@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, how good the
-in-betweens of these poses are, beside the printed form and a polar blend, and how lattices pose, beside the
-printed form, in one run.
+in-betweens of these poses are, beside the printed form and a polar blend, how lattices pose, beside the
+printed form, and how ARAP does beside the other methods, in one run.
 
 Exits with 1 when one of the printed conditions fails. tools/figures.sh runs it with all it needs.
 """
@@ -13,6 +13,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from figures_arap import arap_table
 from figures_data import bent_bar, read_shape
 from figures_inbetweens import inbetween_table
 from figures_lattice import lattice_table
@@ -26,8 +27,9 @@ TABLES = {
     "settle": settle_table,
     "inbetweens": inbetween_table,
     "lattice": lattice_table,
+    "arap": arap_table,
 }
-BAR_TOO = ("settle", "inbetweens")  # have something to measure without characters
+BAR_TOO = ("settle", "inbetweens", "arap")  # have something to measure without characters
 
 
 def main() -> int:

@@ -80,6 +80,15 @@ def spread(shape: Shape, count: int) -> np.ndarray:
     return np.array(chosen)
 
 
+def arc_targets(rest: np.ndarray, handles: np.ndarray, columns: int, rows: int, degrees: float) -> np.ndarray:
+    """Where a regular bar's handles are when its middle line is bent into an arc of its length."""
+    bend = np.radians(degrees)
+    angle = bend * (rest[handles, 0] / columns - 0.5)
+    radius = columns / bend - (rest[handles, 1] - rows / 2)
+    targets = np.column_stack([radius * np.sin(angle), columns / bend - radius * np.cos(angle)])
+    return targets + np.array([columns, rows]) / 2
+
+
 def bent_bar(columns: int = 159, rows: int = 31) -> Shape:
     """A regular bar of (columns + 1) x (rows + 1) vertices, all of its two ends' as handles.
 
@@ -94,13 +103,10 @@ def bent_bar(columns: int = 159, rows: int = 31) -> Shape:
         [np.column_stack([corner, corner + 1, above + 1]), np.column_stack([corner, above + 1, above])]
     )
     handles = np.flatnonzero((rest[:, 0] == 0) | (rest[:, 0] == columns))
-    poses = []
-    for degrees in (90, 120):
-        bend = np.radians(degrees)
-        angle = bend * (rest[handles, 0] / columns - 0.5)
-        radius = columns / bend - (rest[handles, 1] - rows / 2)
-        targets = np.column_stack([radius * np.sin(angle), columns / bend - radius * np.cos(angle)])
-        poses.append(Pose(f"bar {degrees} deg", handles, targets + np.array([columns, rows]) / 2))
+    poses = [
+        Pose(f"bar {degrees} deg", handles, arc_targets(rest, handles, columns, rows, degrees))
+        for degrees in (90, 120)
+    ]
     return Shape("bar", rest, triangles, poses)
 
 

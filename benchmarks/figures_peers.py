@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import itertools
+import statistics
 import time
+from collections.abc import Iterator
 
 import igl
 import numpy as np
@@ -72,18 +75,30 @@ def slim_seconds(shape: Shape, pose: Pose, pin_weight: float, iterations: int) -
     return time.perf_counter() - start
 
 
-def arap_seconds(shape: Shape, pose: Pose) -> float:
-    """Wall time of local/global ARAP in the plane with hard handles, from the rest shape until
-    an iteration moves no coordinate by more than 1e-4 of the diagonal; its factorization is not counted."""
+def _arap_iterations(shape: Shape, pose: Pose) -> Iterator[tuple[float, np.ndarray]]:
+    """Wall time and result of each iteration of local/global ARAP in the plane with hard handles, from the
+    rest shape; its factorization is not counted."""
     data = igl.ARAPData()
     igl.arap_precomputation(shape.rest, shape.triangles, 2, pose.handles.astype(np.int32), data)
     data.max_iter = 1
-    posed, seconds = shape.rest, 0.0
-    for _ in range(1000):
+    posed = shape.rest
+    while True:
         start = time.perf_counter()
-        moved = igl.arap_solve(pose.targets, data, posed)
-        seconds += time.perf_counter() - start
-        if np.abs(moved - posed).max() <= 1e-4 * shape.diagonal:
+        posed = igl.arap_solve(pose.targets, data, posed)
+        yield time.perf_counter() - start, posed
+
+
+def arap_seconds(shape: Shape, pose: Pose) -> float:
+    """Wall time of ARAP's iterations until one moves no coordinate by more than 1e-4 of the diagonal."""
+    before, total = shape.rest, 0.0
+    for seconds, posed in itertools.islice(_arap_iterations(shape, pose), 1000):
+        total += seconds
+        if np.abs(posed - before).max() <= 1e-4 * shape.diagonal:
             break
-        posed = moved
-    return seconds
+        before = posed
+    return total
+
+
+def arap_iteration_seconds(shape: Shape, pose: Pose) -> float:
+    """Median wall time of ARAP's first five iterations."""
+    return statistics.median(seconds for seconds, _ in itertools.islice(_arap_iterations(shape, pose), 5))

@@ -52,6 +52,38 @@ void analysis(benchmark::State& state) {
   }
 }
 
+/// Poser with method arap and the shape's pins.
+struct ArapPose {
+  explicit ArapPose(int n)
+      : shape(square(n)), poser(shape.vertices, shape.triangles, {.method = PoserMethod::arap}) {
+    compile();
+    targets = handles().positions(shape.vertices);
+  }
+  Handles handles() const {
+    return Handles::at_vertices(
+        Eigen::Map<const Eigen::VectorXi>(shape.pins.data(), static_cast<Eigen::Index>(shape.pins.size())),
+        shape.vertices.rows());
+  }
+  void compile() { poser.set_handles(handles()); }
+
+  Shape shape;
+  Poser poser;
+  Points targets;
+};
+
+void arap_compile(benchmark::State& state) {
+  ArapPose pose(static_cast<int>(state.range(0)));
+  for (auto _ : state) pose.compile();
+}
+
+void arap_deform(benchmark::State& state) {
+  ArapPose pose(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    pose.targets.bottomRows<1>().array() += 1e-4;
+    pose.poser.move(pose.targets);
+  }
+}
+
 void sizes(benchmark::internal::Benchmark* run) {
   run->Arg(1000)->Arg(5000)->Arg(10000)->Arg(50000)->Arg(100000)->Unit(benchmark::kMillisecond)->MinTime(0.2);
 }
@@ -62,6 +94,8 @@ BENCHMARK(assembly)->Apply(sizes);
 BENCHMARK(one_solve)->Apply(sizes);
 BENCHMARK(log_spirals)->Apply(sizes);
 BENCHMARK(analysis)->Apply(sizes);
+BENCHMARK(arap_compile)->Apply(sizes);
+BENCHMARK(arap_deform)->Apply(sizes);
 
 }  // namespace
 }  // namespace planar::benchmarks

@@ -29,6 +29,7 @@ PUBLIC_ROOM = {
     "planar/handle.h": "mesh",
     "planar/distortion.h": "mesh",
     "planar/akvf.h": "posing",
+    "planar/arap.h": "posing",
     "planar/log_spiral.h": "posing",
     "planar/poser.h": "posing",
     "planar/inbetween.h": "inbetween",

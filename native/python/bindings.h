@@ -7,6 +7,7 @@ namespace planar::python {
 
 // Each adds what one of the library's headers offers.
 void bind_akvf(pybind11::module_& m);
+void bind_arap(pybind11::module_& m);
 void bind_build_info(pybind11::module_& m);
 void bind_distortion(pybind11::module_& m);
 void bind_inbetween(pybind11::module_& m);

@@ -18,6 +18,7 @@ PYBIND11_MODULE(_core, m) {
 
   using namespace planar::python;
   bind_akvf(m);
+  bind_arap(m);
   bind_log_spiral(m);
   bind_distortion(m);
   bind_poser(m);

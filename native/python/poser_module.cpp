@@ -39,8 +39,9 @@ PoserRef make_poser(py::handle rest, py::handle triangles, const std::string& me
   Points x = to_points("rest", rest);
   Triangles t = to_triangles(triangles);
   PoserOptions options;
-  options.method =
-      to_choice<PoserMethod>("method", method, {{"hold", PoserMethod::hold}, {"akvf", PoserMethod::akvf}});
+  options.method = to_choice<PoserMethod>(
+      "method", method,
+      {{"hold", PoserMethod::hold}, {"akvf", PoserMethod::akvf}, {"arap", PoserMethod::arap}});
   options.pin_weight = pin_weight;
   options.stiffness = to_numbers("stiffness", stiffness, t.rows());
   const Eigen::Index n_vertices = x.rows();
@@ -95,9 +96,11 @@ void bind_poser(py::module_& m) {
           .def_readonly(
               "flipped", &Report::flipped,
               "Triangles of opposite orientation than at rest, judged on float32-rounded positions.")
-          .def_readonly("converged", &Report::converged,
-                        "Whether nothing is left to do: with hold a full Newton step is below 1e-5 of the "
-                        "rest's diameter, with akvf furthest_handle is at most 1e-3 of it.")
+          .def_readonly(
+              "converged", &Report::converged,
+              "Whether nothing is left to do: with hold a full Newton step is below 1e-5 of the "
+              "rest's diameter, with akvf furthest_handle is at most 1e-3 of it; with arap always, but for a "
+              "settle that ended before its iterations did.")
           .def("__repr__", &report_text);
   report_class.attr("__module__") = "planar_native";
 
@@ -111,7 +114,9 @@ stiffness area (|J|^2 + |1/J|^2) (symmetric Dirichlet, J from rest to pose) plus
 handles from their targets, by projected Newton steps in which no triangle inverts. The pose it settles in does not depend on
 the path, except where there are several (an arm wound the other way round). Method "akvf" is the as-Killing-as-possible deformation
 [AKVF 7, 8, 14-16], in substeps in which no triangle inverts, at most 32 in a move; it forgets the rest shape and departs from
-the paper where patches turn and where triangles are squeezed (planar/poser.h says how). pin_weight has no unit (None: 1000);
+the paper where patches turn and where triangles are squeezed (planar/poser.h says how). Method "arap" is arap_two_step with
+cotangent weights: a move gives its whole result, which depends on the handles alone; settle goes on by local/global iterations
+with a rotation a triangle; triangles may turn over. pin_weight has no unit (None: 1000);
 with akvf it is the lambda squared of [AKVF 7]. stiffness is a positive factor per triangle, m.
 
     poser = Poser(rest, triangles)

@@ -23,7 +23,7 @@ VELOCITIES = np.array([[0.3, -0.1], [0.0, 0.4], [-0.2, 0.2]])
 TURNED = VERTICES @ [[0.8, 0.6], [-0.6, 0.8]]
 
 
-METHODS = ["hold", "akvf"]
+METHODS = ["hold", "akvf", "arap"]
 
 
 def posed_by(method):
@@ -68,6 +68,12 @@ CALLS = {
     "distortion": (
         lambda rest, posed, triangles: planar_native.distortion(rest, posed, triangles).triangle_area,
         {"rest": VERTICES, "posed": TURNED, "triangles": TRIANGLES},
+    ),
+    "arap_two_step": (
+        lambda rest, triangles, handles, targets: np.stack(
+            planar_native.arap_two_step(rest, triangles, handles, targets)
+        ),
+        {"rest": VERTICES, "triangles": TRIANGLES, "handles": HANDLES, "targets": TURNED[HANDLES] + 0.1},
     ),
     **{
         f"Poser {method}": (
@@ -322,9 +328,9 @@ def test_options_of_the_wrong_type_are_refused(option):
         planar_native.killing_field(VERTICES, TRIANGLES, HANDLES, VELOCITIES, **option)
 
 
-@pytest.mark.parametrize("method", ["arap", "", "AKVF"])
+@pytest.mark.parametrize("method", ["ARAP", "", "AKVF"])
 def test_unknown_methods_are_refused_and_the_known_named(method):
-    with pytest.raises(ValueError, match="method.*'hold'.*'akvf'"):
+    with pytest.raises(ValueError, match="method.*'hold'.*'akvf'.*'arap'"):
         planar_native.Poser(VERTICES, TRIANGLES, method=method)
 
 

@@ -12,7 +12,7 @@ import pytest
 
 import planar_native
 
-METHODS = ["hold", "akvf"]
+METHODS = ["hold", "akvf", "arap"]
 
 
 def drag(poser, rest, handles, turn):

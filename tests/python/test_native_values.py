@@ -112,7 +112,49 @@ def test_akvf_turns_rigid_motion_into_rigid_motion():
     assert poser.report.furthest_handle < 0.05
 
 
-@pytest.mark.parametrize("method", ["hold", "akvf"])
+@pytest.mark.parametrize("weights", ["cotangent", "uniform"])
+@pytest.mark.parametrize("handles", [HANDLES, ([0, 30], [[0.2, 0.3, 0.5], [0.6, 0.4, 0.0]])])
+def test_arap_two_step_is_exact_on_similarities_and_rigid_motions(handles, weights):
+    vertices, triangles = reference.bar()
+    turn = np.array([[np.cos(2.0), np.sin(2.0)], [-np.sin(2.0), np.cos(2.0)]])
+    if isinstance(handles, tuple):
+        rest = np.einsum("kc,kcd->kd", handles[1], vertices[triangles[handles[0]]])
+    else:
+        rest = vertices[handles]
+    for scale in (1.0, 1.5):
+        similar, final = planar_native.arap_two_step(
+            vertices, triangles, handles, scale * rest @ turn + 3.0, weights=weights
+        )
+        np.testing.assert_allclose(similar, scale * vertices @ turn + 3.0, rtol=0, atol=1e-10)
+        if scale == 1.0:
+            np.testing.assert_allclose(final, similar, rtol=0, atol=1e-10)
+
+
+def test_arap_refuses_other_weights():
+    vertices, triangles = reference.bar()
+    with pytest.raises(ValueError, match="weights.*'cotangent'.*'uniform'"):
+        planar_native.arap_two_step(vertices, triangles, [0], vertices[:1], weights="area")
+    with pytest.raises(ValueError, match="handle_weight"):
+        planar_native.arap_two_step(vertices, triangles, [0], vertices[:1], handle_weight=0.0)
+
+
+def test_arap_moves_are_the_two_steps_and_settle_goes_on():
+    vertices, triangles = reference.bar()
+    poser = planar_native.Poser(vertices, triangles, method="arap")
+    poser.set_handles(HANDLES)
+    targets = vertices[HANDLES] + np.linspace(0, 1.5, 2 * len(HANDLES)).reshape(-1, 2)
+    final = planar_native.arap_two_step(vertices, triangles, HANDLES, targets)[1]
+    np.testing.assert_allclose(poser.move(targets), final, rtol=0, atol=1e-12)
+    assert poser.report.converged
+    assert poser.report.iterations == 1
+    settled = poser.settle()
+    assert poser.report.converged
+    assert poser.report.iterations > 1
+    assert np.abs(settled - final).max() > 1e-4
+    np.testing.assert_allclose(poser.move(targets), final, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["hold", "akvf", "arap"])
 def test_reset_takes_the_rest_shape_or_the_one_given(method):
     vertices, triangles = reference.bar()
     poser = planar_native.Poser(vertices, triangles, method=method)
@@ -128,7 +170,7 @@ def test_reset_takes_the_rest_shape_or_the_one_given(method):
     np.testing.assert_array_equal(poser.positions, vertices)
 
 
-@pytest.mark.parametrize("method", ["hold", "akvf"])
+@pytest.mark.parametrize("method", ["hold", "akvf", "arap"])
 def test_what_is_returned_is_a_copy(method):
     vertices, triangles = reference.bar()
     poser = planar_native.Poser(vertices, triangles, method=method)

@@ -12,24 +12,26 @@ namespace planar {
 enum class PoserMethod {
   hold,  ///< the pose of least distortion of the rest shape
   akvf,  ///< as-Killing-as-possible fields along logarithmic spirals; forgets the rest shape
+  arap,  ///< as rigid as possible in two linear steps; turns triangles over in large poses
 };
 
 struct PoserOptions {
   PoserMethod method = PoserMethod::hold;
-  std::optional<double>
-      pin_weight{};  ///< μ (hold) or λ² (akvf) of a pin, dimensionless, above 0; by default the method's own
+  std::optional<double> pin_weight{};  ///< μ (hold), λ² (akvf) or w (arap) of a pin, dimensionless, above 0;
+                                       ///< by default the method's own
   Eigen::VectorXd stiffness{};  ///< m factors above 0 on the triangles' energy, or empty: all 1
 };
 
 /// What the last move(), refine() or settle() did.
 struct Report {
-  int iterations = 0;            ///< hold: Newton steps; akvf: steps towards the targets
+  int iterations = 0;            ///< hold: Newton steps; akvf: steps towards the targets; arap: solves
   int substeps = 0;              ///< hold: steps that moved the mesh; akvf: pieces that steps were cut into
   double furthest_handle = 0.0;  ///< largest distance of a handle from its target, in the positions' unit
   int flipped = 0;               ///< triangles inverted relative to the rest shape, judged as in `distortion`
 
   /// hold: a full Newton step is at most 1e-5 of the rest's diameter, so that nothing is left to do,
-  /// however far the handles are; akvf: furthest_handle is at most 1e-3 of that
+  /// however far the handles are; akvf: furthest_handle is at most 1e-3 of that; arap: always, but
+  /// for a settle() that ended before an iteration moved no vertex by more than 1e-5 of that
   bool converged = true;
 };
 
@@ -93,12 +95,18 @@ struct Report {
 /// 4. A part whose handles have further to go, on average, than the rest's box diagonal first makes that way
 /// without any deformation: [AKVF 16] multiplies the way by factors φ that differ from vertex to vertex.
 ///
+/// Method arap is arap_two_step (planar/arap.h) with cotangent weights: a move gives its whole result at
+/// once, by back substitution alone; it depends on the handles only, not on where the mesh was. Stiffness
+/// multiplies the cotangents. settle() goes on from there, by the local/global iterations of [Liu08] with a
+/// rotation a triangle: the energy that the two steps approximate at its minimum. A later move gives the two
+/// steps again. Nothing keeps triangles from turning over.
+///
 /// Sizes and places: positions are worked on relative to the middle of the rest shape, so that a rest far
 /// from the origin is posed as one near it. Blender stores float32, which tells coordinates apart to 1/2²³ of
 /// their size: at a distance of some 2²¹ times its height (two million) it can no longer keep a triangle from
-/// turning over. Neither method takes a triangle that it judges (see Orientation) further than that: moves
-/// end before their targets then, and report().converged is false. Triangles of a rest that lies so far out
-/// itself, or whose size float32 does not have (1e-38 to 1e38), are not judged.
+/// turning over. Neither hold nor akvf takes a triangle that it judges (see Orientation) further than that:
+/// moves end before their targets then, and report().converged is false. Triangles of a rest that lies so far
+/// out itself, or whose size float32 does not have (1e-38 to 1e38), are not judged.
 class Poser {
  public:
   /// μ or λ² of a pin when PoserOptions::pin_weight is empty. With hold, handles of twelve published poses of
@@ -124,12 +132,14 @@ class Poser {
   ///
   /// \throw std::invalid_argument as killing_field for the handles, else mismatched sizes or weights not
   /// above 0
+  ///
+  /// \throw SolveError arap, which factors here: a system could not be factored
   void set_handles(Handles handles, Eigen::VectorXd weights = {}, Eigen::VectorXi groups = {});
 
   /// The handles towards `targets` (k×2), and the mesh with them. hold: two Newton steps with at most two
   /// factors made meanwhile; handles far from their targets may need more moves, refine() or settle(). akvf:
   /// one step, cut into substeps such that no triangle inverts and no edge turns or stretches by more than
-  /// 15° (0.26) in one; at most 32 in a call.
+  /// 15° (0.26) in one; at most 32 in a call. arap: both steps.
   ///
   /// \return the new positions (n×2), valid until the object changes
   ///
@@ -139,14 +149,15 @@ class Poser {
   const Points& move(const Points& targets);
 
   /// Repeats steps towards the last targets: hold until report().converged, at most 200; akvf until the
-  /// handles stop getting nearer, at most 32. Without targets: nothing.
+  /// handles stop getting nearer, at most 32; arap until an iteration moves no vertex by more than 1e-5 of
+  /// the rest's diameter, at most 500. Without targets: nothing.
   ///
   /// \throw SolveError as move
   const Points& settle();
 
   /// One bounded piece of work towards the last targets, about as much as a move, in which no vertex moves by
-  /// more than 2 % of the rest's diameter; report().converged says when nothing is left to do. Without
-  /// targets: nothing.
+  /// more than 2 % of the rest's diameter; report().converged says when nothing is left to do. arap
+  /// leaves nothing to do. Without targets: nothing.
   ///
   /// \throw SolveError as move
   const Points& refine();

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Deforms planar triangle meshes by handles: holding the rest shape, or as-Killing-as-possible fields (AKVF).
+"""Deforms planar triangle meshes by handles: holding the rest shape, as-Killing-as-possible fields
+(AKVF), or as rigid as possible in two linear steps (ARAP).
 
 NumPy arrays go in and out: positions are n x 2 float64 in any unit of length, triangles m x 3 vertex indices
 of either orientation. Real and integer arrays of any layout are converted; nothing passed in changes.
@@ -24,6 +25,7 @@ from ._core import (
     SolveError,
     TransitionReport,
     advance_along_spirals,
+    arap_two_step,
     build_info,
     distortion,
     edit_sequence,
@@ -44,6 +46,7 @@ __all__ = [
     "SolveError",
     "TransitionReport",
     "advance_along_spirals",
+    "arap_two_step",
     "build_info",
     "distortion",
     "edit_sequence",

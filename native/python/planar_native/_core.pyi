@@ -52,6 +52,15 @@ def killing_field(
 def advance_along_spirals(
     vertices: ArrayLike, triangles: ArrayLike, velocities: ArrayLike
 ) -> NDArray[float64]: ...
+def arap_two_step(
+    rest: ArrayLike,
+    triangles: ArrayLike,
+    handles: _Handles,
+    targets: ArrayLike,
+    *,
+    handle_weight: float = 1000.0,
+    weights: Literal["cotangent", "uniform"] = "cotangent",
+) -> tuple[NDArray[float64], NDArray[float64]]: ...
 def distortion(rest: ArrayLike, posed: ArrayLike, triangles: ArrayLike) -> Distortion: ...
 
 class Poser:
@@ -60,7 +69,7 @@ class Poser:
         rest: ArrayLike,
         triangles: ArrayLike,
         *,
-        method: Literal["hold", "akvf"] = "hold",
+        method: Literal["hold", "akvf", "arap"] = "hold",
         pin_weight: float | None = None,
         stiffness: ArrayLike | None = None,
     ) -> None: ...

@@ -32,19 +32,8 @@ SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
 
 MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : slot_(slots_of(mesh, kept)) {
   const SymmetricMatrix graph = vertex_graph(mesh, kept);
-  matrix_.size = 2 * graph.size;
-  matrix_.column_start.push_back(0);
-  for (int j = 0; j < graph.size; ++j) {
-    kept_part_.push_back(mesh.part[at(kept[at(j)])]);
-    for (int axis = 0; axis < 2; ++axis) {
-      for (int p = graph.column_start[at(j)]; p < graph.column_start[at(j) + 1]; ++p) {
-        const int i = graph.row[at(p)];
-        if (i > j || axis == 0) matrix_.row.push_back(2 * i);
-        matrix_.row.push_back(2 * i + 1);
-      }
-      matrix_.column_start.push_back(static_cast<int>(matrix_.row.size()));
-    }
-  }
+  matrix_ = doubled_pattern(graph);
+  for (const int v : kept) kept_part_.push_back(mesh.part[at(v)]);
   matrix_.value.assign(matrix_.row.size() + spare_room, 0.0);
 
   const int spare = static_cast<int>(matrix_.row.size());

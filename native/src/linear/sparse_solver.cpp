@@ -47,6 +47,23 @@ SymmetricMatrix graph_pattern(int size, const std::vector<std::array<int, 2>>& e
   return pattern;
 }
 
+SymmetricMatrix doubled_pattern(const SymmetricMatrix& graph) {
+  SymmetricMatrix pattern;
+  pattern.size = 2 * graph.size;
+  pattern.column_start.push_back(0);
+  for (int j = 0; j < graph.size; ++j) {
+    for (int axis = 0; axis < 2; ++axis) {
+      for (int p = graph.column_start[at(j)]; p < graph.column_start[at(j) + 1]; ++p) {
+        const int i = graph.row[at(p)];
+        if (i > j || axis == 0) pattern.row.push_back(2 * i);
+        pattern.row.push_back(2 * i + 1);
+      }
+      pattern.column_start.push_back(static_cast<int>(pattern.row.size()));
+    }
+  }
+  return pattern;
+}
+
 #ifdef PLANAR_CHOLMOD
 
 Backend default_backend() { return Backend::cholmod; }

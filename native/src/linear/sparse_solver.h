@@ -29,6 +29,9 @@ struct SymmetricMatrix {
 /// The pattern with the whole diagonal and an entry for each edge of a graph over `size` unknowns.
 SymmetricMatrix graph_pattern(int size, const std::vector<std::array<int, 2>>& edges);
 
+/// The same for two unknowns in place of each: 2i and 2i + 1 for i, all four entries of a pair.
+SymmetricMatrix doubled_pattern(const SymmetricMatrix& graph);
+
 enum class Backend { cholmod, eigen };
 
 /// CHOLMOD where the library was built with it, else Eigen.

@@ -10,6 +10,7 @@
 #include "mesh/orientation.h"
 #include "mesh/triangle_shape.h"
 #include "posing/akvf_method.h"
+#include "posing/arap_method.h"
 #include "posing/hold_method.h"
 #include "posing/posing_method.h"
 
@@ -39,6 +40,8 @@ std::unique_ptr<PosingMethod> make_method(const Points& rest, const Triangles& t
                                           const Orientation& orientation, const PoserOptions& options) {
   if (options.method == PoserMethod::hold)
     return std::make_unique<HoldMethod>(rest, triangles, orientation, options.stiffness);
+  if (options.method == PoserMethod::arap)
+    return std::make_unique<ArapMethod>(rest, triangles, options.stiffness, ArapWeights::cotangent);
   return std::make_unique<AkvfMethod>(rest, triangles, orientation, options.stiffness);
 }
 

@@ -134,7 +134,8 @@ TEST_P(FreeTurn, TwoPinsThatAreHardlyApartTurn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, FreeTurn, ::testing::Values(PoserMethod::hold, PoserMethod::akvf));
+INSTANTIATE_TEST_SUITE_P(Methods, FreeTurn,
+                         ::testing::Values(PoserMethod::hold, PoserMethod::akvf, PoserMethod::arap));
 
 }  // namespace
 }  // namespace planar::testing

@@ -44,8 +44,8 @@ TEST_P(Turned, DrawingsGiveTurnedPoses) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, Turned, ::testing::Values(PoserMethod::hold, PoserMethod::akvf),
-                         [](const auto& kind) { return kind.param == PoserMethod::hold ? "hold" : "akvf"; });
+INSTANTIATE_TEST_SUITE_P(Methods, Turned,
+                         ::testing::Values(PoserMethod::hold, PoserMethod::akvf, PoserMethod::arap));
 
 /// Two handles 1.2e-6 of the diameter from their middle, which is as near to 1e-6 of the box's diagonal or
 /// nearer, depending on how the drawing is turned.

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "posing/arap_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/checks.h"
+#include "base/diameter.h"
+#include "base/index.h"
+#include "energy/cotangent_weights.h"
+
+namespace planar {
+
+namespace {
+
+// Of the diameter. Pins nearer to each other cannot say how to turn: the system is singular for rounding
+// errors, with 100k vertices, where they are a tenth of that apart.
+constexpr double one_point = 5e-6;
+constexpr double tolerance = 1e-5;  // of the diameter
+constexpr int settle_budget = 500;  // iterations; what poses of drawings need
+
+/// A power of two near the size of the rest: dividing by it loses no digit.
+double unit_of(const Points& rest) {
+  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  int exponent = 0;
+  std::frexp(std::min(size, std::numeric_limits<double>::max()), &exponent);
+  return std::ldexp(1.0, exponent - 1);
+}
+
+RestOf in(const Points& rest) {
+  return [&rest](int, int v) -> Eigen::Vector2d { return rest.row(v); };
+}
+
+Eigen::VectorXd weights_of(const Mesh& mesh, const Points& rest, const Eigen::VectorXd& stiffness,
+                           ArapWeights weights) {
+  return weights == ArapWeights::uniform ? uniform_weights(mesh, stiffness)
+                                         : cotangent_weights(mesh, in(rest), stiffness);
+}
+
+}  // namespace
+
+ArapMethod::ArapMethod(const Points& rest, const Triangles& triangles, const Eigen::VectorXd& stiffness,
+                       ArapWeights weights)
+    : unit_(unit_of(rest)),
+      rest_(rest / unit_),
+      size_(diameter(rest_)),
+      mesh_(rest_.rows(), triangles),
+      solver_(mesh_, in(rest_), weights_of(mesh_, rest_, stiffness, weights)),
+      pinned_(at(mesh_.n_parts)),
+      determined_(pinned_),
+      centre_(pinned_.size()),
+      start_(pinned_.size()) {}
+
+void ArapMethod::set_handles(const HandleSet& set) {
+  Pins pins = make_pins(mesh_, set.handles, set.strength, set.patch);
+  std::vector<char> determined = determined_parts(pins), pinned(determined.size());
+  for (const Pin& pin : pins) pinned[at(pin.part)] = 1;
+  factored_ = false;  // should it fail, those of before are factored by the next move
+  solver_.factor(pins, determined);
+  factored_ = true;
+  pins_ = std::move(pins);
+  determined_ = std::move(determined);
+  pinned_ = std::move(pinned);
+}
+
+/// Those with pins in two places.
+std::vector<char> ArapMethod::determined_parts(const Pins& pins) const {
+  std::vector<char> result(at(mesh_.n_parts));
+  std::vector<const Pin*> first(result.size());
+  for (const Pin& pin : pins) {
+    const Pin*& other = first[at(pin.part)];
+    if (other == nullptr) other = &pin;
+    const double apart = (pinned_point(pin, rest_) - pinned_point(*other, rest_)).norm();
+    if (apart > one_point * size_) result[at(pin.part)] = 1;
+  }
+  return result;
+}
+
+void ArapMethod::take_targets(const Points& targets) {
+  std::vector<double> weight(centre_.size());
+  std::fill(centre_.begin(), centre_.end(), Eigen::RowVector2d::Zero());
+  std::fill(start_.begin(), start_.end(), Eigen::RowVector2d::Zero());
+  for (Pin& pin : pins_) {
+    pin.position.setZero();
+    for (const int row : pin.rows)
+      pin.position += targets.row(row) / (unit_ * static_cast<double>(pin.rows.size()));
+    weight[at(pin.part)] += pin.strength;
+    // The mean as it grows, lest the sum overflow.
+    const double share = pin.strength / weight[at(pin.part)];
+    centre_[at(pin.part)] += share * (pin.position - centre_[at(pin.part)]);
+    start_[at(pin.part)] += share * (pinned_point(pin, rest_) - start_[at(pin.part)]);
+  }
+  for (Pin& pin : pins_) pin.position -= centre_[at(pin.part)];
+}
+
+void ArapMethod::place(Points& x) const {
+  for (int v = 0; v < mesh_.n_vertices; ++v) {
+    const int part = mesh_.part[at(v)];
+    if (part < 0 || !pinned_[at(part)]) continue;
+    const std::complex<double> p = numbers_[at(v)];
+    if (determined_[at(part)]) {
+      x.row(v) = unit_ * (centre_[at(part)] + Eigen::RowVector2d(p.real(), p.imag()));
+    } else {
+      x.row(v) = unit_ * (rest_.row(v) + (centre_[at(part)] - start_[at(part)]));
+    }
+  }
+  if (!x.allFinite()) throw SolveError("the shape is not finite: the targets are too far apart");
+}
+
+void ArapMethod::two_steps(const Points& targets, Points& x, Points* similar) {
+  if (!factored_) {
+    solver_.factor(pins_, determined_);
+    factored_ = true;
+  }
+  take_targets(targets);
+  solver_.similar(pins_, numbers_);
+  if (similar != nullptr) place(*similar = x);
+  solver_.adjust_scale(pins_, numbers_);
+  place(x);
+}
+
+void ArapMethod::move(const Points& targets, Points& x, Report& report) {
+  if (pins_.empty()) return;
+  two_steps(targets, x);
+  report.iterations = report.substeps = 1;
+}
+
+/// Nothing is left to do after a move.
+void ArapMethod::refine(const Points&, Points&, Report&) {}
+
+void ArapMethod::settle(const Points& targets, Points& x, Report& report) {
+  move(targets, x, report);
+  if (pins_.empty()) return;
+  report.converged = false;
+  while (!report.converged && report.iterations < settle_budget) {
+    before_ = numbers_;
+    solver_.iterate(pins_, numbers_);
+    ++report.iterations;
+    double furthest = 0.0;
+    for (int v = 0; v < mesh_.n_vertices; ++v) {
+      const int part = mesh_.part[at(v)];
+      if (part >= 0 && determined_[at(part)])
+        furthest = std::max(furthest, std::abs(numbers_[at(v)] - before_[at(v)]));
+    }
+    report.converged = furthest <= tolerance * size_;
+  }
+  report.substeps = report.iterations;
+  place(x);
+}
+
+}  // namespace planar
