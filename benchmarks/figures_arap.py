@@ -82,7 +82,12 @@ def _speed(columns: int, rows: int) -> None:
     pose = bar.poses[0]
     poser = planar_native.Poser(bar.rest, bar.triangles, method="arap")
     poser.set_handles(pose.handles)
-    compiled = _median(lambda _: (poser.set_handles(pose.handles), poser.move(pose.targets)))
+
+    def compile_and_deform(_: int) -> None:
+        poser.set_handles(pose.handles)
+        poser.move(pose.targets)
+
+    compiled = _median(compile_and_deform)
     deform = _median(lambda i: poser.move(pose.targets + 1e-3 * i))
     iteration = arap_iteration_seconds(bar, pose)
     whole = f"{1e3 * arap_seconds(bar, pose):9.0f}" if len(bar.rest) < 20000 else f"{'-':>9}"
