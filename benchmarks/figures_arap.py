@@ -10,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from figures_conditions import Conditions
 from figures_data import Shape, arc_targets, bent_bar, read_shape
 from figures_peers import arap_iteration_seconds, arap_seconds
 
@@ -27,8 +26,8 @@ Methods: area / angle (2 is none), flips as float32, ms. ARAP: the two steps in 
 convergence; AKVF and hold: {MOVES} moves and a settle. The bar is 5 x 1, both ends clamped."""
 SPEED = f"""\
 ARAP on a bar bent by 90 degrees, ms, medians of {ROUNDS}. Compile: handles to factors; deform: one move, both
-steps. libigl: one local/global iteration, and all of them from the rest until no coordinate moves by more than
-1e-4 of the diagonal; its factorization is not counted."""
+steps. libigl: one local/global iteration, and all of them from the rest until no coordinate moves by more
+than 1e-4 of the diagonal; its factorization is not counted."""
 
 HandlePath = Callable[[float], np.ndarray]
 
@@ -78,13 +77,17 @@ def _median(call: Callable[[int], object]) -> float:
     return statistics.median(seconds(i) for i in range(ROUNDS))
 
 
-def _speed(columns: int, rows: int) -> tuple[float, float]:
-    """Prints a row; the deform's and libigl's iteration's seconds."""
+def _speed(columns: int, rows: int) -> None:
     bar = bent_bar(columns, rows)
     pose = bar.poses[0]
     poser = planar_native.Poser(bar.rest, bar.triangles, method="arap")
     poser.set_handles(pose.handles)
-    compiled = _median(lambda _: (poser.set_handles(pose.handles), poser.move(pose.targets)))
+
+    def compile_and_deform(_: int) -> None:
+        poser.set_handles(pose.handles)
+        poser.move(pose.targets)
+
+    compiled = _median(compile_and_deform)
     deform = _median(lambda i: poser.move(pose.targets + 1e-3 * i))
     iteration = arap_iteration_seconds(bar, pose)
     whole = f"{1e3 * arap_seconds(bar, pose):9.0f}" if len(bar.rest) < 20000 else f"{'-':>9}"
@@ -93,7 +96,6 @@ def _speed(columns: int, rows: int) -> tuple[float, float]:
         f"{1e3 * iteration:16.2f} {whole}",
         flush=True,
     )
-    return deform, iteration
 
 
 def arap_table(shapes: list[Shape]) -> bool:
@@ -110,11 +112,7 @@ def arap_table(shapes: list[Shape]) -> bool:
         print(f"{name:13} " + "  ".join(texts), flush=True)
     print(f"\n{SPEED}")
     print(f"{'vertices':>8} {'compile':>9} {'deform':>8} {'libigl iteration':>16} {'whole':>9}")
-    conditions = Conditions()
     for columns, rows in SIZES:
-        deform, iteration = _speed(columns, rows)
-        conditions.check(
-            f"{(columns + 1) * (rows + 1)} vertices: two steps take {deform / iteration:.2f} of an iteration",
-            deform <= iteration,
-        )
-    return conditions.conclude()
+        _speed(columns, rows)
+    print(flush=True)
+    return True  # nothing here is a promise

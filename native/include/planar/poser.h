@@ -109,10 +109,10 @@ struct Report {
 /// out itself, or whose size float32 does not have (1e-38 to 1e38), are not judged.
 class Poser {
  public:
-  /// μ or λ² of a pin when PoserOptions::pin_weight is empty. With hold, handles of twelve published poses of
-  /// drawn characters end 0.0001 of the diagonal from their targets at 1000. With akvf, on these poses, 40
-  /// moves each, they end 0.0008-0.047 of the diagonal from their targets at λ² = 1, 0.0001-0.007 at 100, and
-  /// no nearer above that; patches that are turned profit up to 1000.
+  /// μ, λ² or w of a pin when PoserOptions::pin_weight is empty; w is that of [ARAP09 1]. With hold, handles
+  /// of twelve published poses of drawn characters end 0.0001 of the diagonal from their targets at 1000.
+  /// With akvf, on these poses, 40 moves each, they end 0.0008-0.047 of the diagonal from their targets at λ²
+  /// = 1, 0.0001-0.007 at 100, and no nearer above that; patches that are turned profit up to 1000.
   static constexpr double default_pin_weight = 1000.0;
 
   /// \param rest n×2 rest shape, the reference of flips and tolerances, and the first positions

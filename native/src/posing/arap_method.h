@@ -32,6 +32,7 @@ class ArapMethod final : public PosingMethod {
   using Pins = std::vector<Pin>;
   std::vector<char> determined_parts(const Pins& pins) const;
   void take_targets(const Points& targets);
+  void solve_similar();
   void place(Points& x) const;
 
   double unit_;  ///< of the lengths below, so that their squares are numbers whatever the caller's unit
