@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <immintrin.h>
+
 #include <cstring>
 
 #include "linear/block_kinds.h"

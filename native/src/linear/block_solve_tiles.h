@@ -11,6 +11,23 @@
 namespace planar {
 namespace {
 
+/// a - x factor, rounded once where the processor can, whatever the compiler would contract by itself: a right
+/// side's solution must not depend on the ones beside it, which say how wide a vector it is in.
+template <class Vector>
+Vector minus_product(const Vector& a, const Vector& x, double factor) {
+#ifdef __FMA__
+  if constexpr (sizeof(Vector) == 32) {
+    return _mm256_fnmadd_pd(x, _mm256_set1_pd(factor), a);
+  } else if constexpr (sizeof(Vector) == 16) {
+    return _mm_fnmadd_pd(x, _mm_set1_pd(factor), a);
+  } else {
+    return __builtin_fma(-x, factor, a);
+  }
+#else
+  return a - x * factor;
+#endif
+}
+
 /// Vectors of right sides next to each other, one or two: arrays of them would live in memory.
 template <class Vector, bool two>
 struct Wide {
@@ -26,8 +43,8 @@ struct Wide {
     if constexpr (two) std::memcpy(to + lanes, &second, sizeof second);
   }
   void subtract(const Wide& x, double factor) {
-    first -= x.first * factor;
-    if constexpr (two) second -= x.second * factor;
+    first = minus_product(first, x.first, factor);
+    if constexpr (two) second = minus_product(second, x.second, factor);
   }
   void scale(double factor) {
     first *= factor;
