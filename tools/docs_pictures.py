@@ -262,6 +262,42 @@ def paint_arm(obj: Any) -> None:
             group.add([vertex.index], 0.8, "REPLACE")
 
 
+def mark_place(window: Any, name: str) -> tuple[int, int]:
+    """Where the Pose tool shows a pin of the active lattice on the screen."""
+    mark = addon("scene.view.snapshot").of_active(bpy.context).pin(bpy.context.object.planar.pins.find(name))
+    place: tuple[int, int] = window.pixel(mark.place)
+    return place
+
+
+def test_lattice(window: Any) -> Iterator[None]:
+    """Pins on four objects and on points of their lattice; a hand that goes farther than the lattice does."""
+    pins, poses = addon("ui.panels.pins_panel").PLANAR_PT_pins, addon("ui.panels.poses_panel")
+    hidden = (poses.PLANAR_PT_inbetweens, poses.PLANAR_PT_poses, pins)
+    yield from opened(window, "Lattice", WAVE, (0.35, 2.0), 7.6)
+    yield from large_view(window)
+    window.area.spaces.active.overlay.show_extras = True  # lattices are among them
+    with window.context():
+        for point in (13 * 14, 14 * 14 - 1):
+            bpy.ops.planar.add_pin(lattice_point=point)
+    yield from window.click(mark_place(window, "Hand"))
+    yield from window.hover(mark_place(window, "Head"))
+    save("lattice_tool", shot(window, "lattice_tool", window.area))
+    for panel in hidden:
+        bpy.utils.unregister_class(panel)  # room for the lattice's
+    try:
+        x, y = mark_place(window, "Hand")
+        yield from window.hover((x, y))
+        yield from window.press()
+        yield from window.move((x + 60, y + 260), steps=16)
+        yield from window.settled()
+        yield from window.wait(0.3)
+        save("lattice_panel", shot(window, "lattice_panel", window.area))
+        yield from window.key("ESC")
+    finally:
+        for panel in reversed(hidden):
+            bpy.utils.register_class(panel)
+
+
 def test_record(window: Any) -> Iterator[None]:
     pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
     yield from opened(window, "River Dragon", REST, (1.0, 1.6), 9.6)
