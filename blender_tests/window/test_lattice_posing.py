@@ -83,6 +83,24 @@ def test_pins_on_two_objects_are_clicked_and_dragged(window: Window) -> Iterator
     assert np.allclose(place(0), LEFT, atol=0.05)
 
 
+def test_the_view_follows_while_the_button_is_held(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    for spot in (LEFT, RIGHT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    above = window.pixel((1.7, 0.0, 1.15))  # of the sheet's corner
+    empty = np.mean(window.colours(above, 3))
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    yield from window.move(window.pixel(beside(np.array(RIGHT), 0.0, 0.6)), steps=6)
+    yield from window.settled()
+    yield from window.wait(0.5)
+    assert np.mean(window.colours(above, 3)) > empty + 50, "the sheet is drawn there"
+    yield from window.key("ESC")
+    yield from window.release()
+    yield from window.wait(0.5)
+    assert abs(np.mean(window.colours(above, 3)) - empty) < 5
+
+
 def test_escape_restores_every_bit(window: Window) -> Iterator[None]:
     yield from ready(window)
     for spot in (LEFT, RIGHT):
