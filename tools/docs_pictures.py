@@ -270,32 +270,39 @@ def mark_place(window: Any, name: str) -> tuple[int, int]:
 
 
 def test_lattice(window: Any) -> Iterator[None]:
-    """Pins on four objects and on points of their lattice; a hand that goes farther than the lattice does."""
-    pins, poses = addon("ui.panels.pins_panel").PLANAR_PT_pins, addon("ui.panels.poses_panel")
-    hidden = (poses.PLANAR_PT_inbetweens, poses.PLANAR_PT_poses, pins)
-    yield from opened(window, "Lattice", WAVE, (0.35, 2.0), 7.6)
+    """Pins on four objects and on points of their lattice; one is dragged beside the lattice's panel."""
+    pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
+    yield from opened(window, "Lattice", WAVE, (0.9, 2.6), 10.0)
     yield from large_view(window)
     window.area.spaces.active.overlay.show_extras = True  # lattices are among them
+    for obj in bpy.context.view_layer.objects:
+        obj.hide_set(not obj.name.startswith("Paper") and obj.name != "Lattice")
     with window.context():
+        bpy.ops.planar.settle_pose("EXEC_DEFAULT")
         for point in (13 * 14, 14 * 14 - 1):
             bpy.ops.planar.add_pin(lattice_point=point)
+        bpy.ops.planar.generate_inbetweens("EXEC_DEFAULT")
     yield from window.click(mark_place(window, "Hand"))
     yield from window.hover(mark_place(window, "Head"))
+    window.area.tag_redraw()  # the sidebar, too
+    yield from window.wait(0.3)
     save("lattice_tool", shot(window, "lattice_tool", window.area))
-    for panel in hidden:
-        bpy.utils.unregister_class(panel)  # room for the lattice's
+    bpy.utils.unregister_class(pins)  # room for the lattice's panel
     try:
-        x, y = mark_place(window, "Hand")
+        with window.context():
+            bpy.ops.planar.clear_poses()
+            bpy.ops.planar.reset_to_rest()
+        yield from window.wait(0.3)
+        x, y = mark_place(window, "Lantern")
         yield from window.hover((x, y))
         yield from window.press()
-        yield from window.move((x + 60, y + 260), steps=16)
+        yield from window.move((x + 60, y + 70), steps=16)
         yield from window.settled()
         yield from window.wait(0.3)
         save("lattice_panel", shot(window, "lattice_panel", window.area))
         yield from window.key("ESC")
     finally:
-        for panel in reversed(hidden):
-            bpy.utils.register_class(panel)
+        bpy.utils.register_class(pins)
 
 
 def test_record(window: Any) -> Iterator[None]:
