@@ -27,7 +27,7 @@ PAUSE = 0.3  # seconds without a motion after which another one begins, unless a
 
 CLASSES = ()
 
-_State = tuple[object, ...]  # what an object shows and what its pins keep, equal where equal to the bit
+State = tuple[object, ...]  # what an object shows and what its pins keep, equal where equal to the bit
 
 
 @dataclass
@@ -38,7 +38,7 @@ class _Motion:
     frame: float
     drawing: PosedObject
     results: pin_list.SavedResults
-    left: _State | None = None  # how following has left the object
+    left: State | None = None  # how following has left the object
     at: float = 0.0  # when that was
     modal: bool = False  # whether an operator ran then, with which it ends
 
@@ -161,7 +161,7 @@ def _go_on(obj: bpy.types.Object, stamp: str) -> None:
     _motions[obj.session_uid] = motion
 
 
-def _state(obj: bpy.types.Object) -> _State:
+def _state(obj: bpy.types.Object) -> State:
     """Raises Refusal."""
     pins = (
         (

@@ -197,13 +197,13 @@ def deformed(lattice: bpy.types.Object) -> Iterator[tuple[bpy.types.Object, bpy.
                 yield obj, modifier
 
 
-_Collections = list[bpy.types.Collection]
+Collections = list[bpy.types.Collection]
 
 
-def _collections(layer: bpy.types.ViewLayer) -> tuple[_Collections, _Collections]:
+def _collections(layer: bpy.types.ViewLayer) -> tuple[Collections, Collections]:
     """Those of a view layer that are shown, and those that are hidden, by themselves or with others."""
-    shown: _Collections = []
-    hidden: _Collections = []
+    shown: Collections = []
+    hidden: Collections = []
     rest = [layer.layer_collection]
     while rest:
         one = rest.pop()
@@ -212,7 +212,7 @@ def _collections(layer: bpy.types.ViewLayer) -> tuple[_Collections, _Collections
     return shown, hidden
 
 
-def _is_in(collections: _Collections, obj: bpy.types.Object) -> bool:
+def _is_in(collections: Collections, obj: bpy.types.Object) -> bool:
     return any(collection.objects.get(obj.name) == obj for collection in collections)
 
 

@@ -108,10 +108,10 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
     find().planar.live = False  # it would show something else than what is keyed
 
 
-_Asked = dict[int, tuple[Array, float]]  # by the key of a pin: where in the object's space, and its angle
+Asked = dict[int, tuple[Array, float]]  # by the key of a pin: where in the object's space, and its angle
 
 
-def _asked(drawing: PosedObject, holders: Iterable[Holder]) -> _Asked:
+def _asked(drawing: PosedObject, holders: Iterable[Holder]) -> Asked:
     """Where pins are to stand, and how they are turned."""
     asked = {}
     for holder in holders:
@@ -127,7 +127,7 @@ def _holding(
     obj: bpy.types.Object,
     drawing: PosedObject,
     groups: Mapping[int, Mapping[str, Members]],
-    asked: _Asked,
+    asked: Asked,
 ) -> list[Holder]:
     """The usable pins of an object, which stand where they were asked to."""
     holders = []
