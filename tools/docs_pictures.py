@@ -262,6 +262,49 @@ def paint_arm(obj: Any) -> None:
             group.add([vertex.index], 0.8, "REPLACE")
 
 
+def mark_place(window: Any, name: str) -> tuple[int, int]:
+    """Where the Pose tool shows a pin of the active lattice on the screen."""
+    mark = addon("scene.view.snapshot").of_active(bpy.context).pin(bpy.context.object.planar.pins.find(name))
+    place: tuple[int, int] = window.pixel(mark.place)
+    return place
+
+
+def test_lattice(window: Any) -> Iterator[None]:
+    """Pins on four objects and on points of their lattice; one is dragged beside the lattice's panel."""
+    pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
+    yield from opened(window, "Lattice", WAVE, (0.9, 2.6), 10.0)
+    yield from large_view(window)
+    window.area.spaces.active.overlay.show_extras = True  # lattices are among them
+    for obj in bpy.context.view_layer.objects:
+        obj.hide_set(not obj.name.startswith("Paper") and obj.name != "Lattice")
+    with window.context():
+        bpy.ops.planar.settle_pose("EXEC_DEFAULT")
+        for point in (13 * 14, 14 * 14 - 1):
+            bpy.ops.planar.add_pin(lattice_point=point)
+        bpy.ops.planar.generate_inbetweens("EXEC_DEFAULT")
+    yield from window.click(mark_place(window, "Hand"))
+    yield from window.hover(mark_place(window, "Head"))
+    window.area.tag_redraw()  # the sidebar, too
+    yield from window.wait(0.3)
+    save("lattice_tool", shot(window, "lattice_tool", window.area))
+    bpy.utils.unregister_class(pins)  # room for the lattice's panel
+    try:
+        with window.context():
+            bpy.ops.planar.clear_poses()
+            bpy.ops.planar.reset_to_rest()
+        yield from window.wait(0.3)
+        x, y = mark_place(window, "Lantern")
+        yield from window.hover((x, y))
+        yield from window.press()
+        yield from window.move((x + 60, y + 70), steps=16)
+        yield from window.settled()
+        yield from window.wait(0.3)
+        save("lattice_panel", shot(window, "lattice_panel", window.area))
+        yield from window.key("ESC")
+    finally:
+        bpy.utils.register_class(pins)
+
+
 def test_record(window: Any) -> Iterator[None]:
     pins = addon("ui.panels.pins_panel").PLANAR_PT_pins
     yield from opened(window, "River Dragon", REST, (1.0, 1.6), 9.6)

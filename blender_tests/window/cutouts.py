@@ -83,12 +83,12 @@ def selected() -> list[int]:
     return [index for index, item in enumerate(active().planar.pins) if item.select]
 
 
-def pin_data() -> list[tuple]:
-    """Everything the .blend says about the pins."""
+def pin_data(obj: bpy.types.Object | None = None) -> list[tuple]:
+    """Everything the .blend says about the pins of an object, the active one unless told."""
     names = ("name", "group", "kind", "enabled", "weight", "select", "angle", "has_target")
     return [
         tuple(getattr(item, name) for name in names) + tuple(item.target) + tuple(item.reached)
-        for item in active().planar.pins
+        for item in (obj or active()).planar.pins
     ]
 
 

@@ -83,6 +83,24 @@ def test_pins_on_two_objects_are_clicked_and_dragged(window: Window) -> Iterator
     assert np.allclose(place(0), LEFT, atol=0.05)
 
 
+def test_the_view_follows_while_the_button_is_held(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    for spot in (LEFT, RIGHT):
+        yield from window.click(window.pixel(spot), ctrl=True)
+    above = window.pixel((1.7, 0.0, 1.15))  # of the sheet's corner
+    empty = np.mean(window.colours(above, 3))
+    yield from window.hover(window.pixel(RIGHT))
+    yield from window.press()
+    yield from window.move(window.pixel(beside(np.array(RIGHT), 0.0, 0.6)), steps=6)
+    yield from window.settled()
+    yield from window.wait(0.5)
+    assert np.mean(window.colours(above, 3)) > empty + 50, "the sheet is drawn there"
+    yield from window.key("ESC")
+    yield from window.release()
+    yield from window.wait(0.5)
+    assert abs(np.mean(window.colours(above, 3)) - empty) < 5
+
+
 def test_escape_restores_every_bit(window: Window) -> Iterator[None]:
     yield from ready(window)
     for spot in (LEFT, RIGHT):
@@ -114,6 +132,28 @@ def test_a_point_of_the_lattice_in_turn_with_a_pin(window: Window) -> Iterator[N
     assert np.allclose(grid_point(67), held, atol=0.05)
     yield from window.key("X")
     assert [pin.lattice_point for pin in active().planar.pins] == [67]
+
+
+def test_a_point_of_the_lattice_looks_different_from_a_pin_on_a_mesh(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    yield from window.click(window.pixel(LEFT), ctrl=True)
+    yield from window.click(window.pixel(grid_point(67)), ctrl=True)
+    yield from window.hover(window.pixel((0.0, 0.0, 1.5)))
+    selected_colour = np.rint(255 * np.array(addon("preferences").DEFAULT.selected[:3]))
+
+    def width(pin: int, rows: int) -> int:
+        """How wide a pin is in its colour so many rows above its middle, in pixels."""
+        x, y = window.pixel(place(pin))
+        row = window.colours((x, y + rows))[12 * 25 : 13 * 25]  # of 25 x 25 about that place
+        has = np.flatnonzero(np.abs(np.array(row) - selected_colour).max(axis=1) < 40)
+        return int(np.ptp(has)) + 1 if len(has) else 0
+
+    bpy.ops.planar.select_pins(action="ALL")
+    active().select_set(False)  # its lines have the same colour
+    yield from window.wait(0.5)
+    window.picture("lattice_pins")
+    disc, diamond = (width(pin, 0) - width(pin, 4) for pin in (0, 1))
+    assert diamond >= disc + 2, "it narrows evenly to its corners"
 
 
 def test_keys_typed_numbers_and_the_redo_panel(window: Window) -> Iterator[None]:

@@ -2,27 +2,58 @@
 """Pins that follow their targets while these are moved, where Live is on.
 
 Nothing is solved while Blender evaluates: what has moved is looked at soon after it. That is in no undo step
-of its own, but in the one of what moved the target, or in the next one.
+of its own, but in the one of what moved the target, or in the next one. What is shown depends on the way that
+the targets have come, so that it is kept how things were when they began to move: Esc brings it all back.
 """
 
 from __future__ import annotations
 
+import time
 import traceback
+from dataclasses import dataclass
 
 import bpy
 
 from ..errors import ObjectGone, Refusal
-from ..scene.lattice.posed import posing_refusal, read_posed
+from ..scene.lattice.posed import PosedObject, posing_refusal, read_posed
 from ..scene.motion import to_targets
-from ..scene.pins import targets
+from ..scene.objects.pose_store import store_of
+from ..scene.pins import pin_list, targets
 from ..scene.telling import tell
 from .modal import running
 
 SOON = 0.05  # seconds between looks while something else is on
+PAUSE = 0.3  # seconds without a motion after which another one begins, unless a key or a button is held
 
 CLASSES = ()
 
+State = tuple[object, ...]  # what an object shows and what its pins keep, equal where equal to the bit
+
+
+@dataclass
+class _Motion:
+    """Of the targets of one object: how all was when it began."""
+
+    stamp: str  # of the targets
+    frame: float
+    drawing: PosedObject
+    results: pin_list.SavedResults
+    left: State | None = None  # how following has left the object
+    at: float = 0.0  # when that was
+    modal: bool = False  # whether an operator ran then, with which it ends
+
+    def goes_on(self, obj: bpy.types.Object) -> bool:
+        """Whether the object has not been changed by anything else, and the motion has not ended."""
+        return (self.modal or time.monotonic() - self.at < PAUSE) and self.left == _state(obj)
+
+    def put_back(self, obj: bpy.types.Object) -> None:
+        """Make everything as it was when it began, to the bit. Raises ObjectGone."""
+        self.drawing.restore()
+        self.results.restore(obj)
+
+
 _live: set[str] = set()  # objects with Live on, by name
+_motions: dict[int, _Motion] = {}  # by session_uid of the object
 
 
 def note(obj: bpy.types.Object) -> None:
@@ -44,6 +75,7 @@ def note_all() -> None:
 def forget() -> None:
     """The objects are another file's, or are no more."""
     _live.clear()
+    _motions.clear()
 
 
 def changed() -> None:
@@ -61,7 +93,20 @@ def _look() -> float | None:
     except Exception:  # the same would go wrong at each look
         traceback.print_exc()
         forget()
-    return None
+    return SOON if _watch() else None
+
+
+def _watch() -> bool:
+    """Let motions end with the operators that made them; whether one is to be watched."""
+    if not _held():
+        for uid in [uid for uid, motion in _motions.items() if motion.modal]:
+            del _motions[uid]
+    return any(motion.modal for motion in _motions.values())
+
+
+def _held() -> bool:
+    """Whether an operator runs that a key or a button ends."""
+    return any(window.modal_operators for window in bpy.context.window_manager.windows)
 
 
 def _playing() -> bool:
@@ -87,15 +132,45 @@ def _follow(obj: bpy.types.Object) -> None:
         if stamp == obj.planar.followed:
             return
         if stamp:
-            reason = posing_refusal(obj)
-            if reason is not None:
-                raise Refusal(reason)
-            to_targets.solve(obj, read_posed(obj, unkeyed=True))
+            _go_on(obj, stamp)
         obj.planar.followed = stamp
     except (Refusal, ObjectGone) as refusal:
         obj.planar.live = False
         _live.discard(obj.name)
         tell(f"{obj.name}: {refusal}", title="Live Is Off")
+
+
+def _go_on(obj: bpy.types.Object, stamp: str) -> None:
+    """Take the pins to where their targets are. Raises Refusal and ObjectGone."""
+    reason = posing_refusal(obj)
+    if reason is not None:
+        raise Refusal(reason)
+    frame = bpy.context.scene.frame_current_final
+    motion = _motions.get(obj.session_uid)
+    if motion is not None and not motion.goes_on(obj):
+        motion = None
+    if motion is not None and (motion.stamp, motion.frame) == (stamp, frame):
+        motion.put_back(obj)
+        del _motions[obj.session_uid]
+        return
+    drawing = read_posed(obj, unkeyed=True)
+    if motion is None:
+        motion = _Motion(obj.planar.followed, frame, drawing, pin_list.SavedResults(obj))
+    to_targets.solve(obj, drawing)
+    motion.left, motion.at, motion.modal = _state(obj), time.monotonic(), _held()
+    _motions[obj.session_uid] = motion
+
+
+def _state(obj: bpy.types.Object) -> State:
+    """Raises Refusal."""
+    pins = (
+        (
+            *(pin.group, pin.lattice_point, pin.kind, pin.enabled, pin.weight),
+            *(pin.has_target, tuple(pin.target), tuple(pin.reached), pin.angle),
+        )
+        for pin in obj.planar.pins
+    )
+    return (store_of(obj, unkeyed=True).shown.tobytes(), obj.planar.pin_weight, *pins)
 
 
 def unregister() -> None:

@@ -41,18 +41,24 @@ class TravelOperator(PosingOperator):
         obj = context.object
         if obj is None or obj.type != "LATTICE":
             return super().refusal(context)
-        if in_space(obj):
-            return (
-                f"'{obj.name}' is a lattice in space, whose poses lie in no plane: use Duplicate Pose, or a "
-                "lattice with one point in one axis"
-            )
+        if in_space(obj, polled=True):
+            return _in_space(obj)
         return lattice_refusal(obj) or modifiers.covering(obj)
 
     def begin(self, context: bpy.types.Context) -> CutoutObject | LatticeObject:
         """What the pose is of. Raises Refusal."""
         drawing = begin_shape(context)
+        if isinstance(drawing, LatticeObject) and not drawing.elements:
+            raise Refusal(_in_space(context.object))
         assert isinstance(drawing, CutoutObject | LatticeObject)  # others are refused
         return drawing
+
+
+def _in_space(lattice: bpy.types.Object) -> str:
+    return (
+        f"'{lattice.name}' is a lattice in space, whose poses lie in no plane: use Duplicate Pose, or a "
+        "lattice with one point in one axis"
+    )
 
 
 class PLANAR_OT_copy_pose(TravelOperator, bpy.types.Operator):

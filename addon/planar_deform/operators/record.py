@@ -102,9 +102,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
     def refusal(cls, context: bpy.types.Context) -> str | None:
         obj = context.object
         reason = posing_refusal(obj) or modifiers.covering(obj) or pose_state.refusal(obj)
-        if reason is None and in_space(obj):
-            return f"'{obj.name}' is a lattice in space, and motion is recorded in a plane: key poses instead"
-        return reason
+        return reason or _space_refusal(obj, polled=True)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
@@ -112,6 +110,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             self.frame = context.scene.frame_current
         before = context.scene.frame_current
         try:
+            _refuse_space(context)
             poses = self._poses_of(list(self._recorded) or unpack_path(self.path))
             posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
             try:
@@ -177,6 +176,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     def _start(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
         region, view = regions(context.area)[self._region]
+        _refuse_space(context)
         seen = snapshot.in_view(context)
         mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
         pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
@@ -320,6 +320,19 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         column.prop(self, "frame_step")
         column.prop(self, "smoothing")
         column.prop(self, "overwrite")
+
+
+def _space_refusal(obj: bpy.types.Object, *, polled: bool = False) -> str | None:
+    if not in_space(obj, polled=polled):
+        return None
+    return f"'{obj.name}' is a lattice in space, and motion is recorded in a plane: key poses instead"
+
+
+def _refuse_space(context: bpy.types.Context) -> None:
+    """Raises Refusal where the active object is a lattice in space."""
+    reason = _space_refusal(context.object)
+    if reason is not None:
+        raise Refusal(reason)
 
 
 def _frames_left(scene: bpy.types.Scene) -> int | None:

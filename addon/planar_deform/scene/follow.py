@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .pins import following
+from .pins import following, lattice_places
 from .pins.pin_list import has_pins, sync
 from .sequence import pose_edit, pose_state
 from .storage import migration, points
@@ -21,9 +21,13 @@ def match_mesh(obj: bpy.types.Object) -> None:
     """
     if obj.type != "MESH" or obj.library is not None or obj.mode not in {"OBJECT", "WEIGHT_PAINT"}:
         return
-    for modifier in obj.modifiers:
-        if modifier.type == "LATTICE" and has_pins(modifier.object):
-            _match_lattice(modifier.object)
+    lattices = [
+        modifier.object
+        for modifier in obj.modifiers
+        if modifier.type == "LATTICE" and has_pins(modifier.object) and _match_lattice(modifier.object)
+    ]
+    if lattices and obj.mode == "OBJECT":
+        lattice_places.follow(obj, lattices)
     if not obj.is_property_set("planar") and OWNER not in obj.data.attributes:
         return  # the first look at its settings sets them
     if migration.is_newer(obj) or snapshot.following(obj):
@@ -34,10 +38,12 @@ def match_mesh(obj: bpy.types.Object) -> None:
         tell(lost, title="Joined")
 
 
-def _match_lattice(lattice: bpy.types.Object) -> None:
-    """The pins of a lattice follow the vertex groups of what it deforms."""
-    if lattice.library is None and not migration.is_newer(lattice) and not snapshot.following(lattice):
-        sync(lattice)
+def _match_lattice(lattice: bpy.types.Object) -> bool:
+    """The pins of a lattice follow the vertex groups of what it deforms; whether they can."""
+    if lattice.library is not None or migration.is_newer(lattice) or snapshot.following(lattice):
+        return False
+    sync(lattice)
+    return True
 
 
 def activate_shown_pose(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

@@ -205,6 +205,9 @@ class PlanarSeen(bpy.types.PropertyGroup):
     keyed: BoolProperty(options={"HIDDEN"})  # the shape seen is that of the Basis
     counts: IntVectorProperty(size=3, options={"HIDDEN"})  # vertices, edges, corners
     places: CollectionProperty(type=PlanarPlace)
+    # Of the pins of lattices, see pins/lattice_places.py.
+    lattice_counts: IntVectorProperty(size=3, options={"HIDDEN"})
+    lattice_places: CollectionProperty(type=PlanarPlace)
 
 
 class PlanarSettings(bpy.types.PropertyGroup):

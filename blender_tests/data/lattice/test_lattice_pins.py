@@ -197,3 +197,77 @@ def test_a_frame_change_is_followed_by_what_is_shown_without_being_told():
         scene.frame_set(frame)
         np.testing.assert_allclose(snapshot.of_active(bpy.context).pin(0).place, shown(back, 12), atol=1e-5)
     assert cage.planar.poses[1].frame == 11
+
+
+def into_collection(obj, name, parent=None):
+    """Move an object into a new collection."""
+    collection = bpy.data.collections.new(name)
+    (parent or bpy.context.scene.collection).children.link(collection)
+    for old in obj.users_collection:
+        old.objects.unlink(obj)
+    collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return collection
+
+
+def eye_closed(front):
+    into_collection(front, "Layer")
+    bpy.context.view_layer.layer_collection.children["Layer"].hide_viewport = True
+
+
+def eye_of_the_collection_above_closed(front):
+    into_collection(front, "Layer")
+    above = bpy.data.collections.new("Above")
+    bpy.context.scene.collection.children.link(above)
+    above.children.link(bpy.data.collections["Layer"])
+    bpy.context.scene.collection.children.unlink(bpy.data.collections["Layer"])
+    bpy.context.view_layer.layer_collection.children["Above"].hide_viewport = True
+
+
+def off_in_viewports(front):
+    into_collection(front, "Layer").hide_viewport = True
+
+
+def hidden_itself(front):
+    front.hide_set(True)
+
+
+HIDINGS = (eye_closed, eye_of_the_collection_above_closed, off_in_viewports, hidden_itself)
+
+
+@pytest.mark.parametrize("hide", HIDINGS)
+def test_what_is_hidden_by_its_collection_is_not_posed_but_deformed(hide):
+    cage, back, front = layered()
+    pin_at(back, 0)
+    pin_at(back, 12)
+    pin_at(front, 3)
+    start = shown(front, 3)
+    hide(front)
+    activate(cage)
+    assert seen().pin(2) is None, "its pin waits"
+    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.2, 0.3)) == {"FINISHED"}
+    alone = points(cage)
+    for modifier in list(front.modifiers):
+        front.modifiers.remove(modifier)
+    bpy.ops.planar.reset_to_rest()
+    for pin in cage.planar.pins:
+        pin.has_target = False
+    bpy.ops.planar.drag_pins(pin=1, offset=(0.2, 0.3))
+    np.testing.assert_allclose(points(cage), alone, atol=1e-6, err_msg="it had no say in the pose")
+    deform(front, cage)
+    front.hide_set(False)
+    for collection in bpy.context.view_layer.layer_collection.children:
+        collection.hide_viewport = collection.collection.hide_viewport = False
+    activate(cage)
+    assert seen().pin(2) is not None
+    assert np.linalg.norm(shown(front, 3) - start) > 0.01
+
+
+def test_what_another_collection_shows_is_posed():
+    cage, _back, front = layered()
+    pin_at(front, 3)
+    into_collection(front, "Layer")
+    bpy.context.scene.collection.objects.link(front)
+    bpy.context.view_layer.layer_collection.children["Layer"].hide_viewport = True
+    activate(cage)
+    assert seen().pin(0) is not None

@@ -8,6 +8,8 @@ from lattice_scenes import deform, lattice, layered, moved_by, pin_at, points, s
 from mathutils import Matrix
 from support import TRANSFORMS, activate, coordinates, evaluated, grid, make_object, world
 
+from planar_deform.scene.pins.pose_holding import unheld
+
 
 @pytest.mark.parametrize("build", [layered, solid])
 def test_what_blender_shows_is_what_was_solved(build):
@@ -103,6 +105,19 @@ def test_reset_to_rest_is_rest_to_the_bit():
     assert not np.array_equal(points(cage), before)
     assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
     np.testing.assert_array_equal(points(cage), coordinates(cage.data.points))
+
+
+def test_what_is_told_of_a_pose_that_no_pin_has_made_is_possible_for_a_lattice():
+    cage, back, _ = layered()
+    pin_at(back, 0)
+    shape = points(cage)
+    shape[:, 0] += 0.3 * shape[:, 1] ** 2
+    cage.data.points.foreach_set("co_deform", shape.ravel())
+    activate(cage)
+    told = unheld(cage, lambda: seen().distortion)
+    assert told is not None
+    assert "Pin all that is to stay" in told
+    assert "Set Rest" not in told
 
 
 def test_in_space_pins_are_moved_across_the_view_at_their_own_depth():

@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from mathutils import Matrix, Quaternion
-from support import activate, bar, evaluated, world
+from mathutils import Matrix, Quaternion, Vector
+from support import activate, bar, coordinates, evaluated, world
 from test_lattice_posing import layered, pin_at, points, shown
 
 from planar_deform.operators import live_targets
@@ -332,3 +332,71 @@ def test_live_is_in_the_file(tmp_path):
     bpy.context.view_layer.update()
     live_targets.follow()
     assert np.linalg.norm(shown(back, ENDS[1]) - start) > 0.1
+
+
+def with_live(build):
+    """What follows a target that stands at its pin, with Live on, and where that is."""
+    if build == "lattice":
+        obj, _, target = aimed((0.0, 0.0, 0.0))
+        bpy.ops.planar.drag_pins(pin=0, offset=(0.05, 0.1))
+    else:
+        obj = bar(plane="XZ")
+        for vertex in (0, 64):
+            bpy.ops.planar.add_pin(location=world(obj)[vertex])
+        target = empty(world(obj)[64])
+        obj.planar.pins[1].follow = target
+        if build == "drawing with a key":
+            obj.shape_key_add(name="Basis")
+    obj.planar.live = True
+    bpy.context.view_layer.update()
+    live_targets.follow()
+    return obj, target
+
+
+def stored(obj):
+    """All that following writes."""
+    keys = obj.data.shape_keys
+    shape = points(obj) if obj.type == "LATTICE" else coordinates(obj.data.vertices)
+    names = [] if keys is None else [(key.name, coordinates(key.data).tobytes()) for key in keys.key_blocks]
+    pins = [
+        (pin.has_target, tuple(pin.target), tuple(pin.reached), pin.angle, pin.group)
+        for pin in obj.planar.pins
+    ]
+    return shape.tobytes(), names, pins, obj.active_shape_key_index
+
+
+def moved_to(target, *places):
+    for place in places:
+        target.location = place
+        bpy.context.view_layer.update()
+        live_targets.follow()
+
+
+@pytest.mark.parametrize("build", ["lattice", "drawing", "drawing with a key"])
+def test_live_gives_everything_back_to_the_bit_when_the_target_goes_back(build, monkeypatch):
+    monkeypatch.setattr(
+        live_targets, "PAUSE", 100.0, raising=False
+    )  # one motion, however slow the machine is
+    obj, target = with_live(build)
+    live_targets.forget()  # what has been moved before is another motion
+    live_targets.note_all()
+    before, place = stored(obj), target.location.copy()
+    moved_to(target, *(place + Vector((0.04 * step, 0.0, 0.07 * step)) for step in range(1, 6)))
+    assert stored(obj)[:2] != before[:2]
+    moved_to(target, place)
+    assert stored(obj) == before
+    moved_to(target, place + Vector((0.1, 0.0, 0.0)))
+    assert stored(obj)[:2] != before[:2], "and follows on"
+
+
+def test_live_takes_nothing_back_that_was_posed_by_hand_meanwhile(monkeypatch):
+    monkeypatch.setattr(live_targets, "PAUSE", 100.0, raising=False)
+    cage, target = with_live("lattice")
+    back, place = bpy.data.objects["Back"], target.location.copy()
+    moved_to(target, place + Vector((0.1, 0.0, 0.1)))
+    activate(cage)
+    bpy.ops.planar.drag_pins(pin=0, offset=(-0.2, 0.2))
+    held = shown(back, ENDS[0])
+    moved_to(target, place)
+    np.testing.assert_allclose(shown(back, ENDS[0]), held, atol=8e-3)
+    np.testing.assert_allclose(along(cage, shown(back, ENDS[1]) - np.array(place)), 0.0, atol=8e-3)

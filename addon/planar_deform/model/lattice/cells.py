@@ -20,14 +20,17 @@ def axis_across(counts: Counts, shapes: Iterable[Array32]) -> int | None:
 
     The other two have at least one cell.
     """
-    for layers in (1, 2):
-        for axis in (2, 1, 0):
-            others = [count for other, count in enumerate(counts) if other != axis]
-            if counts[axis] != layers or min(others) < 2:
-                continue
-            if layers == 1 or all(_equal_layers(counts, axis, shape) for shape in shapes):
-                return axis
-    return None
+    one, two = (
+        [axis for axis in (2, 1, 0) if counts[axis] == layers and sum(count > 1 for count in counts) >= least]
+        for layers, least in ((1, 2), (2, 3))
+    )
+    if one or not two:
+        return one[0] if one else None
+    for shape in shapes:
+        two = [axis for axis in two if _equal_layers(counts, axis, shape)]
+        if not two:
+            return None
+    return two[0]
 
 
 def layers_across(counts: Counts, axis: int) -> list[Indices]:

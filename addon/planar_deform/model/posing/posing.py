@@ -84,7 +84,7 @@ class Posing:
         if not self._holders:
             raise ValueError("pins: none is enabled")
         self._moving = frozenset(moving)
-        self._starts = self._begun = [_start(holder, positions) for holder in self._holders]
+        self._starts = self._begun = [start_of(holder, positions) for holder in self._holders]
         # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
         # None: they stay. Asked wherever it is solved, which may be in another thread.
         self.played: Callable[[int], Array | None] | None = None
@@ -198,7 +198,7 @@ class Posing:
         )
 
 
-def _start(holder: Holder, positions: Array) -> tuple[Array, float]:
+def start_of(holder: Holder, positions: Array) -> tuple[Array, float]:
     """Where a pin is held at the start of a posing: its target, if it has one, else where it is."""
     if holder.pin.target is not None:
         return holder.pin.target, holder.pin.angle

@@ -37,14 +37,14 @@ from .plan import Plan
 def refusal(obj: bpy.types.Object | None) -> str | None:
     """Why nothing can be generated for an object, and what to do; None when it can.
 
-    Cheap enough for polls.
+    Cheap enough for polls; plan() finds the rest.
     """
     reason = shape_refusal(obj)
     if obj is None or reason is not None:
         return reason
     if not pose_state.is_ours(obj) or len(keyed(obj.data.shape_keys)) < 2:
         return "Key two poses first: Key Pose at one frame, then another one at a later frame"
-    return space_refusal(obj)
+    return space_refusal(obj, polled=True)
 
 
 def plan(
@@ -62,7 +62,7 @@ def plan(
     same. Raises Refusal; changes nothing.
     """
     obj = drawing.resolve()
-    reason = refusal(obj)
+    reason = refusal(obj) or space_refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     changes.tell(obj)  # of what a script has done Blender tells later

@@ -17,7 +17,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array32
 from ..objects.modifiers import DEFORMING
 from ..objects.pose_store import store_of
-from ..storage import changes
+from ..storage import changes, redraw
 
 # Modifiers that leave the vertices as they are.
 HARMLESS = frozenset(
@@ -125,7 +125,4 @@ def _answer() -> None:
         if before is None or not np.array_equal(before.shape, now.shape):
             changes.tell(obj)
             _read[obj.session_uid, name] = _Read(changes.count(obj), now.shape)
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw.views()

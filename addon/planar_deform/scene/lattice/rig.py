@@ -181,13 +181,39 @@ _kept: OrderedDict[int, LatticeRig] = OrderedDict()  # by session_uid of the lat
 
 
 def deformed(lattice: bpy.types.Object) -> Iterator[tuple[bpy.types.Object, bpy.types.Modifier]]:
-    """The objects of the view layer that a lattice deforms and that are not hidden, with the modifiers."""
-    for obj in bpy.context.view_layer.objects:
+    """The objects of the view layer that a lattice deforms and that are not hidden, with the modifiers.
+
+    Local views have no say in it, so that all views show the same.
+    """
+    layer = bpy.context.view_layer
+    shown, hidden = _collections(layer)
+    for obj in layer.objects:
         if obj.type != "MESH":
             continue
         for modifier in of_lattice(obj, lattice):
-            if modifier.show_viewport and not obj.hide_viewport and not obj.hide_get():  # as it takes longest
+            if not modifier.show_viewport or obj.hide_viewport or obj.hide_get():
+                continue
+            if not _is_in(hidden, obj) or _is_in(shown, obj):  # as it takes longest
                 yield obj, modifier
+
+
+Collections = list[bpy.types.Collection]
+
+
+def _collections(layer: bpy.types.ViewLayer) -> tuple[Collections, Collections]:
+    """Those of a view layer that are shown, and those that are hidden, by themselves or with others."""
+    shown: Collections = []
+    hidden: Collections = []
+    rest = [layer.layer_collection]
+    while rest:
+        one = rest.pop()
+        (shown if one.is_visible else hidden).append(one.collection)
+        rest.extend(one.children)
+    return shown, hidden
+
+
+def _is_in(collections: Collections, obj: bpy.types.Object) -> bool:
+    return any(collection.objects.get(obj.name) == obj for collection in collections)
 
 
 def rig_state(lattice: bpy.types.Object) -> RigState:

@@ -16,6 +16,7 @@ from ...model.timing.thinning import Thinned, thin
 from ...model.work import Progress, Work
 from ..inbetweens import planning, writing
 from ..objects.any_object import begin_shape
+from ..objects.lattice_object import space_refusal
 from ..sequence import pose_state
 from ..sequence.pose_blocks import keyed, shown_curve
 
@@ -33,7 +34,8 @@ class Thinning:
 
     def __init__(self, context: bpy.types.Context, tolerance: float):
         obj = context.object
-        reason = pose_state.refusal(obj) or planning.refusal(obj) or thin_refusal(context)
+        reason = pose_state.refusal(obj) or planning.refusal(obj) or space_refusal(obj)
+        reason = reason or thin_refusal(context)
         if reason is not None:
             raise Refusal(reason)
         self._drawing = begin_shape(context, unkeyed=True)  # the pose that is shown may go

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import bpy
@@ -15,18 +16,15 @@ from ...model.plane.frame import Array
 from ...model.posing import solving
 from ...model.posing.pin_follow import PinFollow
 from ...model.posing.pins import Holder
+from ...model.posing.posing import start_of
 from ..lattice.posed import PosedObject, read_posed
 from ..lattice.posed_lattice import PosedLattice
 from ..pins import pin_list, targets
 from ..sequence import playback, pose_edit
+from ..storage.vertex_groups import Members
 from . import bake
 
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
-
-
-def bound(obj: bpy.types.Object, drawing: PosedObject) -> list[Holder]:
-    """The usable pins of an object, bound to what has been read of it."""
-    return pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
 
 
 def followed(
@@ -38,7 +36,7 @@ def followed(
 ) -> PinFollow:
     """The posing that takes the pins of an object from positions to where their targets are.
 
-    `holders`: see bound(). `read_at`: the object's matrix when it was read, if it may have moved since.
+    `holders`: its usable pins. `read_at`: the object's matrix when it was read, if it may have moved since.
     Raises Refusal.
     """
     enabled = [holder for holder in holders if holder.pin.enabled]
@@ -60,7 +58,8 @@ def solve(obj: bpy.types.Object, drawing: PosedObject) -> None:
     """Show the object with its pins at their targets. Raises Refusal, with nothing changed."""
     solving.halt()
     pin_list.sync(obj)
-    posing = followed(obj, drawing, bound(obj, drawing), drawing.positions)
+    holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
+    posing = followed(obj, drawing, holders, drawing.positions)
     try:
         posing.run()
     except native.SolveError as error:
@@ -72,22 +71,30 @@ def solve(obj: bpy.types.Object, drawing: PosedObject) -> None:
 def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
     """Key a pose with the pins at their targets for each of these frames, evenly blended to the next one.
 
-    Each is solved from the one before it, and what was keyed between them goes. The targets are where the
-    frames have them as seen from the object itself, which may move. Live goes off. Yields the share done;
-    closed before its end, everything is as it was. Raises Refusal and ObjectGone.
+    Each is solved from the one before it, and what was keyed between them goes. Pins without a target stand
+    where they were before the first one. The targets are where the frames have them as seen from the object
+    itself, which may move; what a lattice deforms is in each frame as it reaches the modifiers then. Live
+    goes off. Yields the share done; closed before its end, everything is as it was. Raises Refusal and
+    ObjectGone.
     """
     scene, now = bpy.context.scene, bpy.context.scene.frame_current_final
-    drawing = read_posed(obj, unkeyed=True)
-    holders, shapes = bound(obj, drawing), {}
+    drawing, groups = read_posed(obj, unkeyed=True), pin_list.read_groups(obj)
     positions, read_at = drawing.positions, np.array(obj.matrix_world, np.float64)
+    asked = _asked(drawing, pin_list.bound_pins(obj, drawing, groups))
+    holders = _holding(obj, drawing, groups, asked)
+    shape, shapes = drawing.coordinates(positions), {}
     try:
         for done, frame in enumerate(frames, 1):
             scene.frame_set(frame)
             solving.halt()
-            posing = followed(drawing.resolve(), drawing, holders, positions, read_at)
+            obj = drawing.resolve()
+            if isinstance(drawing, PosedLattice):
+                drawing, read_at = _read_lattice_at(obj, frame), np.array(obj.matrix_world, np.float64)
+                holders, positions = _holding(obj, drawing, groups, asked), drawing.flattened(shape)
+            posing = followed(obj, drawing, holders, positions, read_at)
             posing.run()
             positions = posing.positions
-            shapes[float(frame)] = drawing.coordinates(positions)
+            shape = shapes[float(frame)] = drawing.coordinates(positions)
             yield 0.9 * done / len(frames)
     except native.SolveError as error:
         raise Refusal(str(error)) from error
@@ -99,6 +106,46 @@ def bake_frames(obj: bpy.types.Object, frames: range) -> Generator[float, None, 
         yield 0.9 + 0.1 * share
     bake.blend_evenly(find(), frames)
     find().planar.live = False  # it would show something else than what is keyed
+
+
+Asked = dict[int, tuple[Array, float]]  # by the key of a pin: where in the object's space, and its angle
+
+
+def _asked(drawing: PosedObject, holders: Iterable[Holder]) -> Asked:
+    """Where pins are to stand, and how they are turned."""
+    asked = {}
+    for holder in holders:
+        place, angle = start_of(holder, drawing.positions)
+        asked[holder.pin.key] = (
+            drawing.to_local(place[None, :], np.array([holder.part], np.int32))[0],
+            angle,
+        )
+    return asked
+
+
+def _holding(
+    obj: bpy.types.Object,
+    drawing: PosedObject,
+    groups: Mapping[int, Mapping[str, Members]],
+    asked: Asked,
+) -> list[Holder]:
+    """The usable pins of an object, which stand where they were asked to."""
+    holders = []
+    for holder in pin_list.bound_pins(obj, drawing, groups):
+        if holder.pin.key in asked:
+            place, angle = asked[holder.pin.key]
+            pin = replace(holder.pin, target=drawing.from_local(place[None, :])[0], angle=angle)
+            holder = holder.holding(pin, drawing.cutout)
+        holders.append(holder)
+    return holders
+
+
+def _read_lattice_at(obj: bpy.types.Object, frame: int) -> PosedObject:
+    """What a lattice deforms at the present frame. Raises Refusal."""
+    try:
+        return read_posed(obj, unkeyed=True)
+    except Refusal as refusal:
+        raise Refusal(f"At frame {frame}: {refusal}") from refusal
 
 
 def _goal(listed: bpy.types.PropertyGroup, holder: Holder, drawing: PosedObject, back: Array) -> Array:

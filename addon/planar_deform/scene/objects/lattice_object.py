@@ -26,14 +26,23 @@ def lattice_refusal(obj: bpy.types.Object) -> str | None:
     return pose_state.refusal(obj) if pose_state.has_blocks(obj) else shape_keys.refusal(obj)
 
 
-def in_space(obj: bpy.types.Object) -> bool:
-    """Whether an object is a lattice whose shapes lie in no plane."""
-    return obj.type == "LATTICE" and _axis_across(obj) is None
+def in_space(obj: bpy.types.Object, *, polled: bool = False) -> bool:
+    """Whether an object is a lattice whose shapes lie in no plane.
+
+    `polled`: of two layers, which all shapes have to show alike, only the active shape is looked at. Another
+    one may be in space all the same.
+    """
+    if obj.type != "LATTICE":
+        return False
+    return axis_across(counts_of(obj), [_active_shape(obj)] if polled else _shapes(obj)) is None
 
 
-def space_refusal(obj: bpy.types.Object) -> str | None:
-    """Why nothing can be solved between shapes of an object, if it is a lattice in space; None if it can."""
-    if not in_space(obj):
+def space_refusal(obj: bpy.types.Object, *, polled: bool = False) -> str | None:
+    """Why nothing can be solved between shapes of an object, if it is a lattice in space; None if it can.
+
+    `polled`: see in_space().
+    """
+    if not in_space(obj, polled=polled):
         return None
     return (
         f"'{obj.name}' is a lattice in space, between whose poses Blender blends: key more poses, as with "
@@ -55,7 +64,7 @@ class LatticeObject(FlatObject):
 
     def __init__(self, obj: bpy.types.Object, unkeyed: bool):
         super().__init__(obj, store_of(obj, unkeyed))
-        axis = _axis_across(obj)
+        axis = axis_across(counts_of(obj), _shapes(obj))
         layers = [np.arange(self.count, dtype=np.int32)]
         self.cells, self.elements = np.empty((0, 4), np.int32), {}
         if axis is not None:
@@ -88,9 +97,8 @@ def counts_of(obj: bpy.types.Object) -> Counts:
     return obj.data.points_u, obj.data.points_v, obj.data.points_w
 
 
-def _axis_across(obj: bpy.types.Object) -> int | None:
-    """The axis across the plane in which all shapes of a lattice lie; None for a lattice in space."""
-    return axis_across(counts_of(obj), _shapes(obj))
+def _active_shape(obj: bpy.types.Object) -> Array32:
+    return points.read(obj) if obj.active_shape_key is None else points.read_block(obj, obj.active_shape_key)
 
 
 def _shapes(obj: bpy.types.Object) -> Iterator[Array32]:

@@ -18,6 +18,7 @@ from ...model.plane.frame import Array, Indices
 from ...model.plane.locate import MeshPoint
 from ...model.posing.pins import Holder, Pin
 from ...model.posing.posing import PinResult
+from ...model.posing.rebinding import NEGLIGIBLE
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE
 from ..objects.flat_object import MAKE_LOCAL
@@ -285,7 +286,7 @@ def forget_targets(obj: bpy.types.Object) -> None:
 def add_at(obj: bpy.types.Object, drawing: Drawing, point: MeshPoint) -> bpy.types.PropertyGroup:
     """Add a point pin at a point of a mesh, with a vertex group of its up to three weights."""
     pinned, corners = drawing.vertices_held(drawing.cutout.triangles[point.triangle])
-    held = point.weights > 0.0
+    held = point.weights > NEGLIGIBLE
     group = new_group(pinned)
     fill(group, corners[held], point.weights[held])
     return _named(obj, append(obj, group, "POINT", owns_group=True))
@@ -364,15 +365,16 @@ def _count_groups(pin: bpy.types.PropertyGroup) -> None:
 
 def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indices, weights: Array) -> None:
     """Make a pin hold these mesh vertices, by a new group where the one it has is not its own alone."""
-    shared = [other for other in obj.planar.pins if other.group == pin.group]
-    group = obj.vertex_groups.get(pin.group)
-    if group is None or not pin.owns_group or len(shared) > 1:
-        group = new_group(obj)
+    pinned = pinned_object(pin)
+    assert pinned is not None  # it holds vertices
+    group = pinned.vertex_groups.get(pin.group)
+    if group is None or not pin.owns_group or len(_sharing(obj, pin.group, pinned)) > 1:
+        group = new_group(pinned)
         give_group(pin, group.name)
         pin.owns_group, pin.group_index = True, group.index
-        obj.planar.group_count = len(obj.vertex_groups)
+        _count_groups(pin)
     else:
-        group.remove(range(len(obj.data.vertices)))
+        group.remove(range(len(pinned.data.vertices)))
     fill(group, vertices, weights)
 
 

@@ -15,16 +15,15 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.plane.locate import at
+from ...model.plane.frame import Array32, Indices
 from ...model.posing.pins import Holder, Pin
-from ...model.posing.rebinding import STILL_THERE, Binding, point_binding
+from ...model.posing.rebinding import FULL, STILL_THERE, rebound
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE, CutoutObject, pose_refusal, read_cutout
 from ..storage.vertex_groups import Members, members
 from . import pin_list
 
 ROUNDING = 2.0**-20  # of a place's distance from the origin: it is stored in float32
-FULL = 1.0 - 1e-3  # of the largest weight
 
 
 def follow(obj: bpy.types.Object) -> None:
@@ -44,7 +43,9 @@ def follow(obj: bpy.types.Object) -> None:
             groups = members(obj, pin_list.groups_of(obj))
     if tuple(mesh.planar_seen.counts) != counts:
         mesh.planar_seen.counts = counts
-    _keep(obj, groups)
+    rest = rest_shape.basis_or_stored(obj)
+    if rest is not None:
+        keep(mesh.planar_seen.places, groups, rest, rest_shape.owners_of(mesh))
 
 
 def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Members]) -> bool:
@@ -58,7 +59,10 @@ def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Mem
         rows = drawing.rows_of(vertices)
         inside = (rows >= 0) & (weights > 0.0)
         model = Pin(key, pin.kind, rows[inside], weights[inside])
-        found = _binding(drawing, model, places[pin.group], pin.owns_group)
+        kept = places[pin.group]
+        place = drawing.rest_place(np.array(kept.place))
+        whole = pin.owns_group and kept.even
+        found = rebound(drawing.cutout, model, place, SAME_PLACE, known=drawing.known, whole=whole)
         if found is not None:
             pin_list.rebind(obj, pin, drawing.vertex_indices[found[0]], found[1])
             model = replace(model, vertices=found[0], weights=found[1])
@@ -66,30 +70,6 @@ def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Mem
         if pin.has_target and len(model.vertices):
             _keep_target(drawing, pin, Holder(model, drawing.cutout))
     return changed
-
-
-def _binding(drawing: CutoutObject, pin: Pin, kept: bpy.types.PropertyGroup, owned: bool) -> Binding | None:
-    """What holds the place of a pin; None where its group does, or nothing can."""
-    cutout, rows = drawing.cutout, pin.vertices
-    place = drawing.rest_place(np.array(kept.place))
-    if pin.kind == "PATCH" and len(rows):
-        # Blender gives new vertices a mean of the weights about them: less than all beyond the patch's edge.
-        within = drawing.known[rows] & (pin.weights >= pin.weights.max() * FULL)
-        if within.all() or not within.any() or not (owned and kept.even):
-            return None
-        return rows[within], pin.weights[within]
-    found = point_binding(cutout, place, rows)
-    if found is None:
-        return None
-    point, binding = found
-    if pin.kind == "PATCH":  # all of it is gone: what is there now
-        return binding[0], np.ones(len(binding[0]))
-    if len(rows):
-        here = Holder(pin, cutout).place(cutout.rest)
-        there = at(cutout.rest, cutout.triangles, point)
-        if np.linalg.norm(here - there) <= SAME_PLACE * cutout.diagonal:
-            return None
-    return binding
 
 
 def _keep_target(drawing: CutoutObject, pin: bpy.types.PropertyGroup, holder: Holder) -> None:
@@ -108,17 +88,20 @@ def _keep_target(drawing: CutoutObject, pin: bpy.types.PropertyGroup, holder: Ho
         pin.reached = drawing.to_local(place[None, :], part)[0]
 
 
-def _keep(obj: bpy.types.Object, groups: Mapping[str, Members]) -> None:
-    """Keep where the groups are. What has not moved is not written, so that nothing seems to have changed."""
-    rest = rest_shape.basis_or_stored(obj)
-    if rest is None:
-        return
-    owners = rest_shape.owners_of(obj.data)
-    places = obj.data.planar_seen.places
+def keep(
+    places: bpy.types.bpy_prop_collection,
+    groups: Mapping[str, Members],
+    rest: Array32,
+    owners: Indices | None = None,
+) -> None:
+    """Keep where the groups are. What has not moved is not written, so that nothing seems to have changed.
+
+    `rest`: positions count x 3. `owners` (count,): 0 for those of new vertices, which are none.
+    """
     for name, (vertices, weights) in groups.items():
         rows, shares = vertices[weights > 0.0], weights[weights > 0.0]
         if not len(rows) or (owners is not None and (owners[rows] == 0).any()):
-            continue  # new vertices have no rest as yet
+            continue
         place = (shares / shares.sum()) @ rest[rows].astype(np.float64)
         kept = places.get(name)
         if kept is None:

@@ -25,7 +25,5 @@ def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion]) -
     found = distortion()
     if max(found.triangle_area.max(), found.triangle_angle.max()) <= DISTORTED:
         return None
-    return (
-        "These pins have not made the pose: a drag takes what they do not hold back to rest. Pin all that is "
-        "to stay, or use Set Rest to Current"
-    )
+    remedy = "Pin all that is to stay" + (", or use Set Rest to Current" if obj.type == "MESH" else "")
+    return f"These pins have not made the pose: a drag takes what they do not hold back to rest. {remedy}"

@@ -8,7 +8,7 @@ import numpy as np
 
 from ... import compat
 from ...errors import Refusal
-from ...model.plane.frame import Array32
+from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
 from ..storage.shape_keys import POSE_KEY
 from .pose_blocks import FIRST, HOLD, blended, block_at, eval_times, keyed, played_value
@@ -20,7 +20,16 @@ ON_A_COPY = "work on a copy of the object, with Apply All in the Shape Keys pane
 def has_blocks(obj: bpy.types.Object) -> bool:
     """Whether the object has shape keys of a pose sequence."""
     keys = obj.data.shape_keys
-    return keys is not None and any(block_at(keys, pose.at) is not None for pose in obj.planar.poses)
+    return keys is not None and _has_blocks(obj, eval_times(keys))
+
+
+def _has_blocks(obj: bpy.types.Object, there: Array) -> bool:
+    """Whether any pose's shape key is among those that are there, told by their eval_times."""
+    return any(_is_there(there, pose.at) for pose in obj.planar.poses)
+
+
+def _is_there(there: Array, eval_time: float) -> bool:
+    return bool(np.abs(there - eval_time).min() < SAME_EVAL_TIME)
 
 
 def is_ours(obj: bpy.types.Object) -> bool:
@@ -40,28 +49,29 @@ def refusal(obj: bpy.types.Object) -> str | None:
         return None
     if obj.show_only_shape_key:
         return "Only the active shape key is shown: turn off Shape Key Lock in the Shape Keys panel"
-    ours = has_blocks(obj)
-    reason = _own_blocks_refusal(keys) if ours else _foreign_blocks_refusal(keys)
+    there = eval_times(keys)
+    ours = _has_blocks(obj, there)
+    reason = _own_blocks_refusal(keys, there) if ours else _foreign_blocks_refusal(keys, there)
     return reason or animation_refusal(keys, ours=ours)
 
 
-def _own_blocks_refusal(keys: bpy.types.Key) -> str | None:
+def _own_blocks_refusal(keys: bpy.types.Key, there: Array) -> str | None:
     if keys.use_relative:
         return "Keyed poses are absolute shape keys: turn off Relative in the Shape Keys panel"
-    if block_at(keys, 0.0) is None:
+    if not _is_there(there, 0.0):
         return "The Basis of the poses is gone, which is the rest shape: undo deleting that shape key"
-    out_of_order = np.flatnonzero(np.diff(eval_times(keys)) < SAME_EVAL_TIME)
+    out_of_order = np.flatnonzero(np.diff(there) < SAME_EVAL_TIME)
     if len(out_of_order):
         name = keys.key_blocks[int(out_of_order[0]) + 1].name
         return f"Shape key '{name}' came from another object's poses: undo joining them, or clear those first"
     return None
 
 
-def _foreign_blocks_refusal(keys: bpy.types.Key) -> str | None:
+def _foreign_blocks_refusal(keys: bpy.types.Key, there: Array) -> str | None:
     if not keys.use_relative:
         return f"The object has absolute shape keys of its own: {ON_A_COPY}"
     others = [block.name for block in keys.key_blocks[1:]]
-    if others not in ([], [POSE_KEY]) or eval_times(keys).max() >= FIRST:
+    if others not in ([], [POSE_KEY]) or there.max() >= FIRST:
         names = ", ".join(others[:3]) + (", ..." if others[3:] else "")
         return f"The object has shape keys of its own ({names}): {ON_A_COPY}"
     return None

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array32
-from . import changes
+from . import changes, redraw
 
 TYPES = frozenset(("MESH", "CURVE", "LATTICE"))  # of objects that have such shapes
 CURVE_FIELDS = ("radius", "tilt")  # the columns behind the coordinates
@@ -85,6 +85,7 @@ def update(obj: bpy.types.Object) -> None:
     changes.tell(obj)
     if obj.type != "MESH":
         obj.data.update_tag()
+        redraw.views()
     else:
         obj.data.update()
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..storage import redraw
+
 Strip = tuple[tuple[float, float], ...]  # corners of a line, in the region's pixels
 
 
@@ -38,7 +40,4 @@ def clear() -> None:
     """Show none."""
     global _now
     _now = None
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw.views()

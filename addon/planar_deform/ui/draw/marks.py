@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Marks and words drawn in pixels. Of pins, a disc is a point, a square that turns is a patch."""
+"""Marks and words drawn in pixels.
+
+Of pins, a disc is a point, a square that turns is a patch, a square on its corner is a point of a lattice.
+"""
 
 from __future__ import annotations
 
@@ -32,6 +35,7 @@ Corners = list[tuple[float, float]]
 _TURNS = 32
 _CIRCLE = [(math.cos(math.tau * i / _TURNS), math.sin(math.tau * i / _TURNS)) for i in range(_TURNS)]
 _SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+_DIAMOND = [(-1.35, 0.0), (0.0, -1.35), (1.35, 0.0), (0.0, 1.35)]  # looks as large as the disc
 _batches: dict[str, gpu.types.GPUBatch] = {}
 
 
@@ -52,13 +56,20 @@ def pixels(region: bpy.types.Region) -> Iterator[None]:
 
 def draw_point(centre: Vector, scale: float, fill: Colour, *, lit: bool, active: bool) -> None:
     """A point pin."""
-    radius = RADIUS * scale
     with gpu.matrix.push_pop():
         gpu.matrix.translate((centre.x, centre.y))
-        _shape("disc", _CIRCLE, radius, fill)
-        _rim("circle", _CIRCLE, radius, scale, lit)
-        if active:
-            _shape("disc", _CIRCLE, radius * 0.36, RIM)
+        _shape("disc", _CIRCLE, RADIUS * scale, fill)
+        _rim("circle", _CIRCLE, RADIUS * scale, scale, lit)
+        _dot(scale, active)
+
+
+def draw_lattice_point(centre: Vector, scale: float, fill: Colour, *, lit: bool, active: bool) -> None:
+    """A pin on a point of a lattice."""
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((centre.x, centre.y))
+        _shape("diamond", _DIAMOND, RADIUS * scale, fill)
+        _rim("rhomb", _DIAMOND, RADIUS * scale, scale, lit)
+        _dot(scale, active)
 
 
 def draw_patch(
@@ -74,8 +85,7 @@ def draw_patch(
         _line(start, end, LIT if lit else fill, OUTLINE * scale)
         _shape("box", _SQUARE, radius * 0.92, fill)
         _rim("square", _SQUARE, radius * 0.92, scale, lit)
-        if active:
-            _shape("disc", _CIRCLE, radius * 0.36, RIM)
+        _dot(scale, active)
 
 
 def draw_ring(centre: Vector, radius: float, knob: Vector, scale: float, *, lit: bool) -> None:
@@ -138,6 +148,12 @@ def draw_box(left: float, bottom: float, right: float, top: float, colour: Colou
 def forget() -> None:
     """Drop what was made for the graphics card."""
     _batches.clear()
+
+
+def _dot(scale: float, active: bool) -> None:
+    """In the middle of the active pin."""
+    if active:
+        _shape("disc", _CIRCLE, RADIUS * scale * 0.36, RIM)
 
 
 def _rim(name: str, corners: Corners, radius: float, scale: float, lit: bool) -> None:

@@ -59,7 +59,9 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
             if target is not None and (target - place).length > SHOWN_GAP * scale:
                 marks.draw_gap(place, target, scale)
             scale *= wanted.size / marks.RADIUS
-            if pin.kind == "PATCH":
+            if pin.lattice_point >= 0:
+                marks.draw_lattice_point(place, scale, fill, **state)
+            elif pin.kind == "PATCH":
                 marks.draw_patch(place, _seen(context, mark.place, mark.turned), scale, fill, **state)
             else:
                 marks.draw_point(place, scale, fill, **state)

@@ -40,6 +40,16 @@ def test_two_layers_count_as_one_only_while_they_are_equal_in_every_shape():
     assert axis_across((4, 3, 2), [regular((4, 3, 2)), bent]) is None
 
 
+def test_of_two_axes_with_two_layers_every_shape_is_looked_at_for_each():
+    counts = (2, 2, 4)
+    moved = regular(counts)
+    moved[0] += (0.3, 0.2, 0.1)
+    assert axis_across(counts, iter([moved])) is None
+    bent = regular(counts)
+    bent[:, 0] += bent[:, 2] ** 2
+    assert axis_across(counts, iter([regular(counts), bent])) == 1
+
+
 @pytest.mark.parametrize(("counts", "axis"), [((4, 3, 1), 2), ((4, 1, 3), 1), ((1, 4, 3), 0), ((4, 3, 2), 2)])
 def test_the_cells_cover_each_layer_once_and_are_turned_alike(counts, axis):
     cells = cells_across(counts, axis)
