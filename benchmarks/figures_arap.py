@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from figures_data import Shape, arc_targets, bent_bar, read_shape
+from figures_data import Pose, Shape, arc_targets, bent_bar, half_split, read_shape
 from figures_peers import arap_iteration_seconds, arap_seconds
 
 import planar_native
@@ -28,6 +28,10 @@ SPEED = f"""\
 ARAP on a bar bent by 90 degrees, ms, medians of {ROUNDS}. Compile: handles to factors; deform: one move, both
 steps. libigl: one local/global iteration, and all of them from the rest until no coordinate moves by more
 than 1e-4 of the diagonal; its factorization is not counted."""
+
+SPLIT = """\
+How far the pose of the same handles changes, in % of the diagonal, where the left half of the mesh has its
+triangles cut into four."""
 
 HandlePath = Callable[[float], np.ndarray]
 
@@ -66,6 +70,36 @@ def _posed(shape: Shape, method: str, handles: np.ndarray, path: HandlePath, mov
     finite = found.area + found.angle < 1e4
     means = f"{found.area:6.3f} /{found.angle:6.3f}" if finite else f"{'collapsed':>14}"
     return f"{means} {found.flipped:4} {1e3 * seconds:7.1f}"
+
+
+def _settled(shape: Shape, pose: Pose) -> np.ndarray:
+    poser = planar_native.Poser(shape.rest, shape.triangles)
+    poser.set_handles(pose.handles)
+    poser.move(pose.targets)
+    return poser.settle()
+
+
+def _split_table(shapes: list[Shape]) -> None:
+    print(f"\n{SPLIT}")
+    ways: dict[str, Callable[[Shape, Pose], np.ndarray]] = {
+        f"ARAP, two steps, {weights}": lambda shape, pose, weights=weights: planar_native.arap_two_step(
+            shape.rest, shape.triangles, pose.handles, pose.targets, weights=weights
+        )[1]
+        for weights in ("cotangent", "uniform")
+    }
+    both = [(shape, half_split(shape)) for shape in shapes]
+    for name, way in (ways | {"hold": _settled}).items():
+        off = [
+            100
+            * np.linalg.norm(way(shape, pose) - way(split, pose)[: len(shape.rest)], axis=1).max()
+            / shape.diagonal
+            for shape, split in both
+            for pose in shape.poses
+        ]
+        print(
+            f"{name:27} median {statistics.median(off):6.2f}, worst {max(off):6.2f}, of {len(off)}",
+            flush=True,
+        )
 
 
 def _median(call: Callable[[int], object]) -> float:
@@ -110,6 +144,7 @@ def arap_table(shapes: list[Shape]) -> bool:
             _posed(shape, "hold", handles, path, MOVES, True),
         ]
         print(f"{name:13} " + "  ".join(texts), flush=True)
+    _split_table([*own, *shapes])
     print(f"\n{SPEED}")
     print(f"{'vertices':>8} {'compile':>9} {'deform':>8} {'libigl iteration':>16} {'whole':>9}")
     for columns, rows in SIZES:

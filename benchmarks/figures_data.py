@@ -110,6 +110,35 @@ def bent_bar(columns: int = 159, rows: int = 31) -> Shape:
     return Shape("bar", rest, triangles, poses)
 
 
+def half_split(shape: Shape) -> Shape:
+    """The shape with the triangles of its left half cut into four, and those beside them to match.
+
+    The first vertices are the shape's own.
+    """
+    middle = shape.rest[shape.triangles].mean(axis=1)[:, 0]
+    points, at = list(shape.rest), {}
+    for a, b, c in shape.triangles[middle < np.median(middle)].tolist():
+        for edge in ((a, b), (b, c), (c, a)):
+            if frozenset(edge) not in at:
+                at[frozenset(edge)] = len(points)
+                points.append(shape.rest[list(edge)].mean(axis=0))
+    cut: list[tuple[int, int, int]] = []
+    rest = [tuple(corners) for corners in shape.triangles.tolist()]
+    while rest:  # at the first side that is to be cut, until none is
+        a, b, c = rest.pop()
+        sides = ((a, b, c), (b, c, a), (c, a, b))
+        halved = [(*side, at[frozenset(side[:2])]) for side in sides if frozenset(side[:2]) in at]
+        if len(halved) == 3:
+            ab, bc, ca = (middle for *_, middle in halved)
+            cut += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        elif halved:
+            start, end, other, middle_ = halved[0]
+            rest += [(start, middle_, other), (middle_, end, other)]
+        else:
+            cut.append((a, b, c))
+    return Shape(f"{shape.name}, half split", np.array(points), np.array(cut), shape.poses)
+
+
 def rolled(bar: Shape, angle: float) -> np.ndarray:
     """A regular bar bent along its length into an arc of `angle`; its middle line keeps its length."""
     x, y = (bar.rest - bar.rest.mean(axis=0)).T

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same drags by Hold Shape and by AKVF, beside the distortion that each leaves."""
+"""The same drags by each method, beside the distortion that each leaves."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contact_sheet import FINE, View
 from planar_deform.model.posing.posing import Sample
 from planar_deform.ui.draw import quality
 
-METHODS = {"HOLD": "Hold Shape", "AKVF": "AKVF"}
+METHODS = {"HOLD": "Hold Shape", "AKVF": "AKVF", "ARAP": "ARAP"}
 STEPS = 40  # mouse positions of a way
 GROUND = (52, 50, 56)
 INK = (236, 234, 230)

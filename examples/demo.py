@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws two characters, pins and poses them in Blender with the add-on's operators, and renders them.
 
-One of them is posed by both methods, to compare them. Poses of both are keyed on the timeline, the frames
+One of them is posed by each method, to compare them. Poses of both are keyed on the timeline, the frames
 between them are generated, and a film of it is rendered.
 
 Run by `make demo`. Writes out/demo.blend, out/contact_sheet.png, out/demo.mp4 and out/film_sheet.png; with
@@ -133,7 +133,7 @@ def run(pictures: Path | None) -> None:
         images |= {"contact_sheet": sheet, "film": film_sheet}
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
         images["lattices"] = contact_sheet.sheet("Posed by one lattice each", in_lattices)
-        images["methods"] = contact_sheet.sheet("The same drags by both methods", compared)
+        images["methods"] = contact_sheet.sheet("The same drags by each method", compared)
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
     wrote = ("demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png")
