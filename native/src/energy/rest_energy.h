@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <vector>
 
 #include "energy/mesh_matrix.h"
@@ -40,9 +39,7 @@ class RestEnergy {
   RestEnergy(const Points& rest, const MeshMatrix& matrix, const Flags& flat,
              const Eigen::VectorXd& stiffness);
 
-  /// The same for triangles that do not fit together at rest: rest_of(t, v) is where triangle t has its
-  /// corner v.
-  using RestOf = std::function<Eigen::Vector2d(int t, int v)>;
+  /// The same for triangles that need not fit together at rest.
   RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Flags& flat,
              const Eigen::VectorXd& stiffness);
 

@@ -111,11 +111,11 @@ Mesh::Mesh(Eigen::Index vertex_count, Triangles rows)
   braces = find_braces(n_vertices, triangles);
 }
 
-bool Mesh::has_edge(int a, int b) const {
-  if (a > b) std::swap(a, b);
-  const auto begin = edges.begin() + first_edge_[at(a)];
-  const auto end = edges.begin() + first_edge_[at(a) + 1];
-  return std::binary_search(begin, end, std::array<int, 2>{a, b});
+int Mesh::find_edge(int a, int b) const {
+  const std::array<int, 2> edge{std::min(a, b), std::max(a, b)};
+  const auto end = edges.begin() + first_edge_[at(edge[0]) + 1];
+  const auto place = std::lower_bound(edges.begin() + first_edge_[at(edge[0])], end, edge);
+  return place != end && *place == edge ? static_cast<int>(place - edges.begin()) : -1;
 }
 
 }  // namespace planar

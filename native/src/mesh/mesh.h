@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "planar/types.h"
@@ -29,10 +30,15 @@ struct Mesh {
   /// vertex alone.
   std::vector<std::array<int, 3>> braces;
 
-  bool has_edge(int a, int b) const;
+  /// Row of `edges` with these two vertices, or -1.
+  int find_edge(int a, int b) const;
 
  private:
   std::vector<int> first_edge_;  ///< of the edges whose smaller vertex is i, n+1 entries
 };
+
+/// Where triangle t has its corner v, a vertex, at rest. Triangles need not fit together: each may have a
+/// frame of its own, as those of a surface in space do.
+using RestOf = std::function<Eigen::Vector2d(int t, int v)>;
 
 }  // namespace planar

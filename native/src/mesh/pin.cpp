@@ -36,7 +36,7 @@ Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
       continue;
     }
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
-      if (!mesh.has_edge(pin.vertex[c], v)) {
+      if (mesh.find_edge(pin.vertex[c], v) < 0) {
         throw std::invalid_argument(row_of("handles", row) + "its vertices are not those of one triangle");
       }
     }

@@ -18,8 +18,8 @@ TEST(Mesh, FindsEdgesOnceWhateverTheOrientation) {
   const Mesh mesh(4, triangles({{0, 1, 2}, {1, 2, 3}}));
   const std::vector<std::array<int, 2>> expected{{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
   EXPECT_EQ(mesh.edges, expected);
-  EXPECT_TRUE(mesh.has_edge(3, 1));
-  EXPECT_FALSE(mesh.has_edge(0, 3));
+  EXPECT_EQ(mesh.find_edge(3, 1), 3);
+  EXPECT_EQ(mesh.find_edge(0, 3), -1);
 }
 
 TEST(Mesh, KnowsInteriorVertices) {
