@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, how good the
 in-betweens of these poses are, beside the printed form and a polar blend, and how lattices pose, beside the
-printed form, in one run.
+printed form, and how surfaces are laid flat, beside libigl, in one run.
 
 Exits with 1 when one of the printed conditions fails. tools/figures.sh runs it with all it needs.
 """
@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 from figures_data import bent_bar, read_shape
+from figures_flatten import flatten_table
 from figures_inbetweens import inbetween_table
 from figures_lattice import lattice_table
 from figures_posing import distortion_table, loop_table, settle_table
@@ -26,8 +27,9 @@ TABLES = {
     "settle": settle_table,
     "inbetweens": inbetween_table,
     "lattice": lattice_table,
+    "flatten": flatten_table,
 }
-BAR_TOO = ("settle", "inbetweens")  # have something to measure without characters
+BAR_TOO = ("settle", "inbetweens", "flatten")  # have something to measure without characters
 
 
 def main() -> int:

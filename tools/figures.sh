@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Prints how well and how fast the module poses characters, beside libigl, and how good its in-betweens and lattices
 # are, in an environment of its own.
-# usage: tools/figures.sh [FOLDER] [--table distortion|loops|settle|inbetweens|lattice]
+# usage: tools/figures.sh [FOLDER] [--table distortion|loops|settle|inbetweens|lattice|flatten]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=tools/packages.sh

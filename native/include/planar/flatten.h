@@ -26,8 +26,8 @@ enum class EdgeWeights {
 struct FlattenOptions {
   FlattenMethod method = FlattenMethod::hold;
 
-  /// hold: Newton steps at most, 0: until nothing is left to do, at most 400; two_steps: repetitions of
-  /// the second step with turns taken from the step before, which descend its energy.
+  /// hold: Newton steps at most, 0: until nothing is left to do, at most 400; two_steps: repetitions of the
+  /// second step with turns taken from the result before.
   int iterations = 0;
 
   EdgeWeights weights = EdgeWeights::cotangent;  ///< of the two steps, from which hold starts as well
@@ -69,9 +69,9 @@ struct HeldLine {
 ///
 /// J from each triangle laid flat by itself to where it is in x, the last two sums of pins and held lines.
 /// The scale is that of least distortion: true where the surface can be unrolled. It starts from the two
-/// steps, or, where these turn a triangle over, from Tutte's map [Tutte63]. Triangles of the latter may be
-/// too small for float64 (deep inside of sleeves); these are repaired on the way [Garanzha21]. What no start
-/// brings out without flips is refused by SolveError.
+/// steps, or, where these turn a triangle over, from Tutte's map [Tutte63], with weights that keep the rings
+/// of long sleeves from shrinking below what float64 tells. Triangles of it that are too small all the same
+/// are repaired on the way [Garanzha21]; what that leaves flipped is refused by SolveError.
 ///
 /// Method two_steps is [ARAP09, section 7]. Departures: d' of its figure 5 lies on the other side of the edge
 /// (the printed sign puts both triangles on one side); T' of (6) is divided by its size and not by that
@@ -100,8 +100,8 @@ class Flattener {
   Flattener& operator=(Flattener&&) noexcept;
   ~Flattener();
 
-  /// Replaces all pins and lines; positions stay. An edge of the surface is kept straight by its vertices as a
-  /// line, say fitted_line().
+  /// Replaces all pins and lines; positions stay. An edge of the surface is kept straight by its vertices as
+  /// a line, say fitted_line().
   ///
   /// \param weights k factors above 0 on pin_weight, or empty: all 1
   /// \throw std::invalid_argument handles that are not in a triangle, mismatched sizes, weights not above 0,

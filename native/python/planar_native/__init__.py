@@ -16,6 +16,7 @@ Every solve runs without the GIL.
 from ._core import (
     Cancelled,
     Distortion,
+    Flattener,
     Inbetweens,
     LatticeReport,
     LatticeSolver,
@@ -27,6 +28,7 @@ from ._core import (
     build_info,
     distortion,
     edit_sequence,
+    flatten,
     inbetween,
     killing_field,
     lattice_weights,
@@ -36,6 +38,7 @@ from ._core import (
 __all__ = [
     "Cancelled",
     "Distortion",
+    "Flattener",
     "Inbetweens",
     "LatticeReport",
     "LatticeSolver",
@@ -47,6 +50,7 @@ __all__ = [
     "build_info",
     "distortion",
     "edit_sequence",
+    "flatten",
     "inbetween",
     "killing_field",
     "lattice_weights",

@@ -30,7 +30,7 @@ class Newton {
     int factors;
     bool ahead;    ///< the caller makes the next factor after the last step (see due()); factors get older
     double limit;  ///< to how far a vertex may move from where it was at begin()
-    double tolerance;  ///< with a full step of at most this, nothing is left to do
+    double tolerance;                     ///< with a full step of at most this, nothing is left to do
     std::function<void()> before_step{};  ///< what it throws ends the descent
   };
   struct Outcome {

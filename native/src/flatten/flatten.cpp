@@ -38,9 +38,7 @@ struct Unit {
     finer = std::ldexp(1.0, std::ilogb(extent));
   }
 
-  SpacePoints of(const SpacePoints& vertices) const {
-    return ((vertices / size).rowwise() - middle) / finer;
-  }
+  SpacePoints of(const SpacePoints& vertices) const { return ((vertices / size).rowwise() - middle) / finer; }
   Points of(const Points& x) const { return x / size / finer; }
   Points back(const Points& x) const { return x * finer * size; }
 
@@ -50,7 +48,8 @@ struct Unit {
 
 std::array<int, 2> checked_edge(const Patch& patch, const std::optional<std::array<int, 2>>& fixed) {
   if (!fixed) return patch.central_edge();
-  for (const int end : {0, 1}) require_index("fixed", end, "vertex", (*fixed)[at(end)], patch.mesh.n_vertices);
+  for (const int end : {0, 1})
+    require_index("fixed", end, "vertex", (*fixed)[at(end)], patch.mesh.n_vertices);
   const int edge = patch.mesh.find_edge((*fixed)[0], (*fixed)[1]);
   if (edge < 0) throw std::invalid_argument("fixed: its vertices share no edge");
   if (!(patch.length[at(edge)] > 0.0)) throw std::invalid_argument("fixed: its edge has no length");
@@ -132,7 +131,8 @@ Flattener::State::State(const SpacePoints& vertices, const Triangles& triangles,
       descend(options);
     }
     if (orientation.count_flipped(x) > 0) {
-      throw SolveError("no flat shape without flipped triangles was found: cut the surface, or dissolve slivers");
+      throw SolveError(
+          "no flat shape without flipped triangles was found: cut the surface, or dissolve slivers");
     }
   }
   x = options.fixed ? placed_by_edge(patch, x, edge) : placed_by_length(patch, x, edge);

@@ -46,8 +46,7 @@ std::vector<Side> sorted_sides(const Triangles& triangles) {
       sides.push_back({{std::min(a, b), std::max(a, b)}, t, a < b});
     }
   }
-  std::stable_sort(sides.begin(), sides.end(),
-                   [](const Side& a, const Side& b) { return a.edge < b.edge; });
+  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
   return sides;
 }
 
@@ -210,8 +209,7 @@ std::array<int, 2> Patch::central_edge() const {
   std::vector<double> farthest(at(mesh.n_vertices), 0.0);
   int from = mesh.edges[0][0];
   for (int round = 0; round < 4; ++round) {
-    const std::vector<double> distance =
-        ShortestPaths({from}, farthest.size(), mesh.edges, length).distance;
+    const std::vector<double> distance = ShortestPaths({from}, farthest.size(), mesh.edges, length).distance;
     for (int v = 0; v < mesh.n_vertices; ++v) {
       if (mesh.part[at(v)] < 0) continue;
       if (round > 0) farthest[at(v)] = std::max(farthest[at(v)], distance[at(v)]);

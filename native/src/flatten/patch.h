@@ -24,8 +24,8 @@ struct Patch {
   /// on the positive real axis.
   using Corners = std::array<std::complex<double>, 3>;
 
-  Mesh mesh;  ///< its triangles all counter-clockwise as seen from outside
-  Flags flat;  ///< m: triangles that nobody can see (mesh/triangle_shape.h)
+  Mesh mesh;                     ///< its triangles all counter-clockwise as seen from outside
+  Flags flat;                    ///< m: triangles that nobody can see (mesh/triangle_shape.h)
   std::vector<Corners> corners;  ///< m
   double area;                   ///< of all triangles
 

@@ -49,8 +49,8 @@ Points boundary_on_circle(const Patch& patch, Eigen::Index n_vertices) {
   constexpr double evenly = 1e-3;
   double way = 0.0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    const double share = (1.0 - evenly) * way / whole +
-                         evenly * static_cast<double>(i) / static_cast<double>(loop.size());
+    const double share =
+        (1.0 - evenly) * way / whole + evenly * static_cast<double>(i) / static_cast<double>(loop.size());
     const double angle = 2.0 * std::numbers::pi * share;
     x.row(loop[i]) << radius * std::cos(angle), radius * std::sin(angle);
     way += patch.length[at(patch.mesh.find_edge(loop[i], loop[(i + 1) % loop.size()]))];

@@ -26,8 +26,7 @@ class TwoSteps {
 
   /// The first step [ARAP09 5]: n×2, vertices of no triangle at 0.
   Points similar() const;
-  /// The second step [ARAP09 7] with each edge's turn taken from x. Repeated, it is the local/global
-  /// iteration of the same energy.
+  /// The second step [ARAP09 7] with each edge's turn taken from x. It may be repeated from its own result.
   Points adjusted(const Points& x) const;
 
  private:

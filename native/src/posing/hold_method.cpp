@@ -72,7 +72,8 @@ void HoldMethod::PinSprings::add_hessian(MeshMatrix& matrix, double scale) const
 
 HoldMethod::HoldMethod(const Points& rest, const Triangles& triangles, const Orientation& orientation,
                        const Eigen::VectorXd& stiffness)
-    : mesh_(rest.rows(), triangles), newton_(newton_at(rest, mesh_, springs_, orientation, stiffness, diameter(rest))) {}
+    : mesh_(rest.rows(), triangles),
+      newton_(newton_at(rest, mesh_, springs_, orientation, stiffness, diameter(rest))) {}
 
 HoldMethod::HoldMethod(Mesh mesh, const RestOf& rest_of, const Orientation& orientation, double size)
     : mesh_(std::move(mesh)),

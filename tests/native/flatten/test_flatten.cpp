@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "planar/flatten.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -11,6 +9,7 @@
 #include "flatten/patch.h"
 #include "flatten/surfaces.h"
 #include "mesh/triangle_shape.h"
+#include "planar/flatten.h"
 #include "support.h"
 
 namespace planar::testing {
@@ -56,8 +55,9 @@ TEST(Flatten, UnrollsCylindersInTwoSteps) {
   for (const EdgeWeights weights : {EdgeWeights::cotangent, EdgeWeights::uniform}) {
     FlattenOptions options = two_steps();
     options.weights = weights;
-    EXPECT_LT(apart(unrolled_sheet(19, 11, width, 2.0), flatten(surface.vertices, surface.triangles, options)),
-              1e-6);
+    EXPECT_LT(
+        apart(unrolled_sheet(19, 11, width, 2.0), flatten(surface.vertices, surface.triangles, options)),
+        1e-6);
   }
   EXPECT_LT(apart(unrolled_sheet(19, 11, width, 2.0), flatten(surface.vertices, surface.triangles)), 1e-6);
 }
@@ -168,13 +168,9 @@ TEST(Flatten, TakesHoles) {
 TEST(Flatten, OpensATubeAsARing) {
   const Surface whole = sleeve(12, 6);
   const int tip = static_cast<int>(whole.vertices.rows()) - 1;
-  const Surface tube =
-      without(whole, [&](int t) { return (whole.triangles.row(t).array() == tip).any(); });
+  const Surface tube = without(whole, [&](int t) { return (whole.triangles.row(t).array() == tip).any(); });
   const Points x = flatten(tube.vertices, tube.triangles);
   EXPECT_EQ(flatness(tube, x).flipped, 0);
-  // Cut open, it unrolls.
-  Surface slit = cut(tube, {0, 12, 24, 36, 48, 60});
-  slit = without(slit, [](int) { return false; });
   EXPECT_GT(flatness(tube, x).area, 2.01);
 }
 
@@ -209,7 +205,7 @@ Surface random_patch(int number, std::mt19937& random) {
     for (double& value : a) value = between(-1.0, 1.0);
     const double height = between(0.03, 1.0), rugged = between(0.0, 0.15);
     Surface surface =
-        sheet(10 + number % 7, 8 + number % 5, 1.0, 1.0, [&](double u, double v) -> Eigen::RowVector3d {
+        sheet(8 + number % 5, 6 + number % 7, 1.0, 1.0, [&](double u, double v) -> Eigen::RowVector3d {
           double z = 0.0;
           for (std::size_t k = 0; k < 4; ++k) {
             z += a[3 * k] * std::sin(3.0 * u * a[3 * k + 1] * static_cast<double>(k + 1) +
@@ -217,17 +213,18 @@ Surface random_patch(int number, std::mt19937& random) {
           }
           return {u, v, height * z};
         });
-    for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v) surface.vertices(v, 2) += between(-rugged, rugged);
+    for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
+      surface.vertices(v, 2) += between(-rugged, rugged);
     return surface;
   }
   if (number % 4 == 3) {
     const double thin = std::pow(10.0, between(-9.0, -1.0));
-    return sheet(12, 8, 2.0, 1.0, [thin](double u, double v) -> Eigen::RowVector3d {
+    return sheet(11, 6, 2.0, 1.0, [thin](double u, double v) -> Eigen::RowVector3d {
       const double x = u < 1.0 ? u : u < 1.2 ? 1.0 + (u - 1.0) * thin : u - 0.2;
       return {x, v + 0.3 * std::sin(3.0 * x), 0.4 * std::sin(5.0 * x) * std::cos(4.0 * v)};
     });
   }
-  const int rings = 4 + number % 5;
+  const int rings = 3 + number % 5;
   Surface surface = cap(rings, between(0.4, 5.0 / 6.0 * pi));
   if (number % 4 == 1) {
     // A slit from the boundary towards the pole.
@@ -275,15 +272,17 @@ TEST(Flatten, TurnsNoTriangleOverInUncutSleeves) {
   }
 }
 
-TEST(Flatten, DoesNotDependOnUnitPlaceOrThreads) {
+TEST(Flatten, DoesNotDependOnUnitOrPlace) {
   const Surface surface = cap(6, 1.2);
   const Points x = flatten(surface.vertices, surface.triangles);
   EXPECT_EQ(x, flatten(surface.vertices, surface.triangles));
-  for (const double unit : {1e-30, 1e3, 1e200}) {
-    EXPECT_LT((flatten(unit * surface.vertices, surface.triangles) / unit - x).cwiseAbs().maxCoeff(), 1e-6);
+  for (const double unit : {std::ldexp(1.0, -400), 32.0, std::ldexp(1.0, 800)}) {
+    EXPECT_EQ(flatten(unit * surface.vertices, surface.triangles), unit * x);
   }
+  // Which of the edges of a symmetric surface is in the middle rounding decides.
+  EXPECT_LT(apart(flatten(1e3 * surface.vertices, surface.triangles) / 1e3, x), 1e-6);
   const SpacePoints far = surface.vertices.rowwise() + Eigen::RowVector3d(1000.0, -500.0, 100.0);
-  EXPECT_LT((flatten(far, surface.triangles) - x).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT(apart(flatten(far, surface.triangles), x), 1e-6);
 }
 
 TEST(Flatten, TakesSoManyStepsAtMost) {

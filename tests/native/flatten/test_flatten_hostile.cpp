@@ -88,7 +88,8 @@ TEST(FlattenHostile, SurfacesWithOneSide) {
   for (int i = 0; i < n; ++i) {
     const double a = 6.283185307179586 * i / n;
     for (const int end : {0, 1}) {
-      const double r = (end == 0 ? -0.3 : 0.3) * std::cos(a / 2.0), z = (end == 0 ? -0.3 : 0.3) * std::sin(a / 2.0);
+      const double r = (end == 0 ? -0.3 : 0.3) * std::cos(a / 2.0),
+                   z = (end == 0 ? -0.3 : 0.3) * std::sin(a / 2.0);
       surface.vertices.row(2 * i + end) << (1.0 + r) * std::cos(a), (1.0 + r) * std::sin(a), z;
     }
     const bool last = i + 1 == n;
@@ -115,7 +116,8 @@ TEST(FlattenHostile, Numbers) {
   Surface surface = plane(3, 3);
   EXPECT_REFUSAL(flatten(SpacePoints(0, 3), surface.triangles), "vertices is empty");
   EXPECT_REFUSAL(flatten(surface.vertices, Triangles(0, 3)), "triangles is empty");
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     SpacePoints vertices = surface.vertices;
     vertices(4, 2) = bad;
     EXPECT_REFUSAL(flatten(vertices, surface.triangles), "vertices, row 4: not a finite number");

@@ -16,9 +16,8 @@ Eigen::VectorXi indices(const std::vector<int>& v) {
 }
 
 Surface saddle() {
-  return sheet(12, 10, 2.0, 1.5, [](double u, double v) {
-    return Eigen::RowVector3d(u, v, 0.6 * (u - 1.0) * (v - 0.7));
-  });
+  return sheet(12, 10, 2.0, 1.5,
+               [](double u, double v) { return Eigen::RowVector3d(u, v, 0.6 * (u - 1.0) * (v - 0.7)); });
 }
 
 struct Pinned {
@@ -105,7 +104,8 @@ TEST(FlattenPins, AnEdgeIsKeptStraightWhileAPinIsDragged) {
     return worst;
   };
   EXPECT_GT(bow(free), 0.005);
-  it.flattener.set_pins(it.at({65}), {it.flattener.fitted_line(indices(edge))}, Eigen::VectorXd::Constant(1, 2.0));
+  it.flattener.set_pins(it.at({65}), {it.flattener.fitted_line(indices(edge))},
+                        Eigen::VectorXd::Constant(1, 2.0));
   for (int i = 1; i <= 4; ++i) {
     it.flattener.move(free.row(65) + 0.1 * i * Eigen::RowVector2d(1.0, 0.5));
     EXPECT_EQ(it.flattener.report().flipped, 0);
