@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, how good the
 in-betweens of these poses are, beside the printed form and a polar blend, how lattices pose, beside the
-printed form, and how ARAP does beside the other methods, in one run.
+printed form, how ARAP does beside the other methods, and how surfaces are laid flat, beside libigl, in one
+run.
 
 Exits with 1 when one of the printed conditions fails. tools/figures.sh runs it with all it needs.
 """
@@ -15,6 +16,7 @@ from pathlib import Path
 
 from figures_arap import arap_table
 from figures_data import bent_bar, read_shape
+from figures_flatten import flatten_table
 from figures_inbetweens import inbetween_table
 from figures_lattice import lattice_table
 from figures_posing import distortion_table, loop_table, settle_table
@@ -28,8 +30,9 @@ TABLES = {
     "inbetweens": inbetween_table,
     "lattice": lattice_table,
     "arap": arap_table,
+    "flatten": flatten_table,
 }
-BAR_TOO = ("settle", "inbetweens", "arap")  # have something to measure without characters
+BAR_TOO = ("settle", "inbetweens", "arap", "flatten")  # have something to measure without characters
 
 
 def main() -> int:

@@ -22,6 +22,7 @@ MAY_INCLUDE = {
     "posing": {"base", "parallel", "linear", "mesh", "energy"},
     "inbetween": {"base", "parallel", "linear", "mesh", "energy", "posing"},
     "lattice": {"base", "parallel", "linear", "mesh", "energy"},
+    "flatten": {"base", "parallel", "linear", "mesh", "energy", "posing"},
 }
 PUBLIC_ROOM = {
     "planar/types.h": "base",
@@ -36,6 +37,7 @@ PUBLIC_ROOM = {
     "planar/sequence_edit.h": "inbetween",
     "planar/transfer.h": "inbetween",
     "planar/lattice.h": "lattice",
+    "planar/flatten.h": "flatten",
 }
 
 

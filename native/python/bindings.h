@@ -10,6 +10,7 @@ void bind_akvf(pybind11::module_& m);
 void bind_arap(pybind11::module_& m);
 void bind_build_info(pybind11::module_& m);
 void bind_distortion(pybind11::module_& m);
+void bind_flatten(pybind11::module_& m);
 void bind_inbetween(pybind11::module_& m);
 void bind_lattice(pybind11::module_& m);
 void bind_log_spiral(pybind11::module_& m);

@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -15,6 +14,7 @@
 #include "choices.h"
 #include "guarded.h"
 #include "planar/inbetween.h"
+#include "progress.h"
 
 namespace py = pybind11;
 
@@ -59,22 +59,6 @@ InbetweenMethod to_method(const std::string& name) {
 AnchorPath to_path(const std::string& name) {
   return to_choice<AnchorPath>("anchor_path", name,
                                {{"straight", AnchorPath::straight}, {"arc", AnchorPath::arc}});
-}
-
-// To be used in the call that was given the callback, which keeps it alive.
-std::function<bool(double)> to_progress(py::handle callback) {
-  if (callback.is_none()) return {};
-  return [callback](double share) {
-    const py::gil_scoped_acquire locked;
-    const py::object answer = callback(share);
-    if (answer.is_none()) return true;
-    py::detail::make_caster<bool> truth;
-    if (!truth.load(answer, false)) {
-      throw std::invalid_argument("progress: returned " + py::repr(answer).cast<std::string>() +
-                                  ", expected True, False or None");
-    }
-    return py::detail::cast_op<bool>(truth);
-  };
 }
 
 // What inbetween and Inbetweens are given in common.
@@ -155,10 +139,6 @@ py::array_t<double> py_at(const InbetweensRef& shared, py::handle times, bool ov
 }  // namespace
 
 void bind_inbetween(py::module_& m) {
-  auto cancelled = py::register_exception<Cancelled>(m, "Cancelled", PyExc_RuntimeError);
-  cancelled.attr("__module__") = "planar_native";
-  cancelled.doc() = "A progress callback returned False.";
-
   m.def(
       "inbetween", &py_inbetween, py::arg("keys"), py::arg("times"), py::kw_only(),
       py::arg("triangles") = py::none(), py::arg("edges") = py::none(), py::arg("key_times") = py::none(),

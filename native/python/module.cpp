@@ -16,6 +16,10 @@ PYBIND11_MODULE(_core, m) {
   solve_error.attr("__module__") = "planar_native";
   solve_error.doc() = "A numerical failure: the data is valid, but the solve did not succeed.";
 
+  auto cancelled = py::register_exception<planar::Cancelled>(m, "Cancelled", PyExc_RuntimeError);
+  cancelled.attr("__module__") = "planar_native";
+  cancelled.doc() = "A progress callback returned False.";
+
   using namespace planar::python;
   bind_akvf(m);
   bind_arap(m);
@@ -26,5 +30,6 @@ PYBIND11_MODULE(_core, m) {
   bind_transfer(m);
   bind_sequence_edit(m);
   bind_lattice(m);
+  bind_flatten(m);
   bind_build_info(m);
 }

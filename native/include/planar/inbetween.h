@@ -3,17 +3,11 @@
 
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <vector>
 
 #include "planar/types.h"
 
 namespace planar {
-
-/// The progress callback asked to stop.
-struct Cancelled : std::runtime_error {
-  Cancelled() : std::runtime_error("cancelled") {}
-};
 
 enum class InbetweenMethod {
   midpoint,  ///< an isometric relation between frames; the keys alone decide, times only sample

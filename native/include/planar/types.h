@@ -18,6 +18,9 @@ namespace planar {
 /// n×2 positions or velocities, one row a vertex.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
+/// n×3 positions in space, one row a vertex.
+using SpacePoints = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
 /// m×3 vertex indices (from 0). Orientation may differ from triangle to triangle.
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
@@ -31,6 +34,11 @@ using Flags = Eigen::Array<bool, Eigen::Dynamic, 1>;
 /// factor).
 struct SolveError : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+/// The progress callback asked to stop.
+struct Cancelled : std::runtime_error {
+  Cancelled() : std::runtime_error("cancelled") {}
 };
 
 }  // namespace planar

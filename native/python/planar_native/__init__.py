@@ -17,6 +17,7 @@ Every solve runs without the GIL.
 from ._core import (
     Cancelled,
     Distortion,
+    Flattener,
     Inbetweens,
     LatticeReport,
     LatticeSolver,
@@ -29,6 +30,7 @@ from ._core import (
     build_info,
     distortion,
     edit_sequence,
+    flatten,
     inbetween,
     killing_field,
     lattice_weights,
@@ -38,6 +40,7 @@ from ._core import (
 __all__ = [
     "Cancelled",
     "Distortion",
+    "Flattener",
     "Inbetweens",
     "LatticeReport",
     "LatticeSolver",
@@ -50,6 +53,7 @@ __all__ = [
     "build_info",
     "distortion",
     "edit_sequence",
+    "flatten",
     "inbetween",
     "killing_field",
     "lattice_weights",

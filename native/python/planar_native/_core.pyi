@@ -215,4 +215,45 @@ class LatticeSolver:
     @property
     def report(self) -> LatticeReport: ...
 
+_Line = tuple[ArrayLike, ArrayLike, ArrayLike]
+
+def flatten(
+    vertices: ArrayLike,
+    triangles: ArrayLike,
+    *,
+    method: Literal["hold", "two_step"] = "hold",
+    iterations: int = 0,
+    weights: Literal["cotangent", "uniform"] = "cotangent",
+    fixed: ArrayLike | None = None,
+    progress: Callable[[float], bool | None] | None = None,
+) -> NDArray[float64]: ...
+
+class Flattener:
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        method: Literal["hold", "two_step"] = "hold",
+        iterations: int = 0,
+        weights: Literal["cotangent", "uniform"] = "cotangent",
+        fixed: ArrayLike | None = None,
+        pin_weight: float | None = None,
+        progress: Callable[[float], bool | None] | None = None,
+    ) -> None: ...
+    def set_pins(
+        self, handles: _Handles, *, weights: ArrayLike | None = None, lines: Sequence[_Line] = ()
+    ) -> None: ...
+    def fitted_line(
+        self, vertices: ArrayLike
+    ) -> tuple[NDArray[int32], NDArray[float64], NDArray[float64]]: ...
+    def move(self, targets: ArrayLike) -> NDArray[float64]: ...
+    def refine(self) -> NDArray[float64]: ...
+    def settle(self) -> NDArray[float64]: ...
+    def reset(self) -> None: ...
+    @property
+    def positions(self) -> NDArray[float64]: ...
+    @property
+    def report(self) -> Report: ...
+
 def build_info() -> dict[str, Any]: ...

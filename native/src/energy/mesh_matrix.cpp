@@ -82,6 +82,13 @@ void MeshMatrix::add(int a, int b, double value) {
   matrix_.value[at(start_y + first - start)] += value;
 }
 
+void MeshMatrix::add(int v, const Eigen::Matrix2d& block) {
+  const int x = matrix_.column_start[at(2 * slot(v))], y = matrix_.column_start[at(2 * slot(v)) + 1];
+  matrix_.value[at(x)] += block(0, 0);
+  matrix_.value[at(x) + 1] += block(1, 0);
+  matrix_.value[at(y)] += block(1, 1);
+}
+
 void MeshMatrix::set_zero() { std::fill(matrix_.value.begin(), matrix_.value.end(), 0.0); }
 
 void MeshMatrix::set_unit_rows(const std::vector<char>& active) {

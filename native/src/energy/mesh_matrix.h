@@ -43,6 +43,9 @@ class MeshMatrix {
   /// Adds value·I to the block of vertices a and b, which must be kept and share a triangle.
   void add(int a, int b, double value);
 
+  /// Adds a symmetric block to that of vertex v, which must be kept, with itself.
+  void add(int v, const Eigen::Matrix2d& block);
+
   const SymmetricMatrix& matrix() const { return matrix_; }
 
   /// Slot of a vertex: its index in `kept`, or -1.

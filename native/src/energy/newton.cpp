@@ -74,6 +74,7 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
   last_length_ = unlimited;
   energy_.relax(x);
   for (int i = 0; i < budget.steps; ++i) {
+    if (budget.before_step) budget.before_step();
     if (i > 0) energy_.tighten(x);
     Step step;
     step.value = gradient(x);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 #include <vector>
 
 #include "energy/newton_system.h"
@@ -29,7 +30,8 @@ class Newton {
     int factors;
     bool ahead;    ///< the caller makes the next factor after the last step (see due()); factors get older
     double limit;  ///< to how far a vertex may move from where it was at begin()
-    double tolerance;  ///< with a full step of at most this, nothing is left to do
+    double tolerance;                     ///< with a full step of at most this, nothing is left to do
+    std::function<void()> before_step{};  ///< what it throws ends the descent
   };
   struct Outcome {
     int iterations = 0;      ///< steps tried

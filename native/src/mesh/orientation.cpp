@@ -34,6 +34,11 @@ Orientation::Orientation(const Points& rest, const Triangles& triangles, Flags f
   }
 }
 
+Orientation::Orientation(const Triangles& triangles, Flags flat)
+    : triangles_(triangles), flat_(std::move(flat)), origin_(Eigen::RowVector2d::Zero()) {
+  for (const bool unseen : flat_) sign_.push_back(unseen ? 0.0 : 1.0);
+}
+
 double Orientation::area_as_at_rest(const Points& x, std::size_t t) const {
   return sign_[t] == 0.0 ? 0.0 : sign_[t] * doubled_area_in_float32(x, origin_, triangles_.data() + 3 * t);
 }

@@ -17,6 +17,10 @@ class Orientation {
   Orientation(const Points& rest, const Triangles& triangles, Flags flat,
               const Eigen::RowVector2d& origin = Eigen::RowVector2d::Zero());
 
+  /// Takes counter-clockwise as the right one, for triangles that have no plane at rest. All but those that
+  /// are `flat` are judged.
+  Orientation(const Triangles& triangles, Flags flat);
+
   const Flags& flat() const { return flat_; }
 
   /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/triangle_shape.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +19,8 @@ constexpr double least_area = 1e-6;      // of the median
 constexpr double least_altitude = 1e-3;  // of the median
 constexpr double float32_epsilon = std::numeric_limits<float>::epsilon();
 
-double longest_side(const Points& x, const int* corner) {
+template <typename Positions>
+double longest_side(const Positions& x, const int* corner) {
   double longest = 0.0;
   for (int c = 0; c < 3; ++c) {
     longest = std::max(longest, (x.row(corner[c]) - x.row(corner[(c + 1) % 3])).norm());
@@ -27,7 +29,8 @@ double longest_side(const Points& x, const int* corner) {
 }
 
 /// Sides times coordinates times this is what rounding the corners may add to twice the area, at most.
-double rounding(const Points& x, const int* corner) {
+template <typename Positions>
+double rounding(const Positions& x, const int* corner) {
   double coordinate = 0.0;
   for (int c = 0; c < 3; ++c) coordinate = std::max(coordinate, x.row(corner[c]).cwiseAbs().maxCoeff());
   return 4.0 * float32_epsilon * coordinate * longest_side(x, corner);
@@ -53,7 +56,17 @@ bool float32_tells(const Points& x, const int* corner) {
   return std::abs(doubled_area(x, corner)) > rounding(x, corner);
 }
 
-Flags flat_triangles(const Points& rest, const Triangles& triangles) {
+namespace {
+
+double size_of_area(const Points& x, const int* corner) { return std::abs(doubled_area(x, corner)); }
+
+double size_of_area(const SpacePoints& x, const int* corner) {
+  const Eigen::RowVector3d a = x.row(corner[1]) - x.row(corner[0]), b = x.row(corner[2]) - x.row(corner[0]);
+  return a.cross(b).norm();
+}
+
+template <typename Positions>
+Flags flat_at(const Positions& rest, const Triangles& triangles) {
   struct Part {
     std::vector<double> areas, altitudes;  // of the triangles that are more than rounding errors; areas twice
     int told = 0;                          // of them
@@ -78,9 +91,9 @@ Flags flat_triangles(const Points& rest, const Triangles& triangles) {
   Flags flat(triangles.rows());
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const double longest = longest_side(rest, corners(t));
-    area[t] = std::abs(doubled_area(rest, corners(t)));
+    area[t] = size_of_area(rest, corners(t));
     altitude[t] = longest > 0.0 ? area[t] / longest : 0.0;
-    flat[t] = !float32_tells(rest, corners(t));
+    flat[t] = !(area[t] > rounding(rest, corners(t)));
     Part& part = part_of(t);
     if (!(altitude[t] > float32_epsilon * longest)) continue;
     part.areas.push_back(area[t]);
@@ -103,5 +116,11 @@ Flags flat_triangles(const Points& rest, const Triangles& triangles) {
   }
   return flat;
 }
+
+}  // namespace
+
+Flags flat_triangles(const Points& rest, const Triangles& triangles) { return flat_at(rest, triangles); }
+
+Flags flat_triangles(const SpacePoints& rest, const Triangles& triangles) { return flat_at(rest, triangles); }
 
 }  // namespace planar

@@ -28,4 +28,7 @@ bool float32_tells(const Points& x, const int* corner);
 /// \return m flags
 Flags flat_triangles(const Points& rest, const Triangles& triangles);
 
+/// The same of a surface in space (n×3).
+Flags flat_triangles(const SpacePoints& rest, const Triangles& triangles);
+
 }  // namespace planar

@@ -28,9 +28,11 @@ constexpr int worth_a_thread = 1000;     // vertices
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-Newton newton_at(const Points& rest, const Mesh& mesh, const Springs& springs, const Orientation& orientation,
-                 const Eigen::VectorXd& stiffness) {
-  Newton newton(mesh, springs, stiffness, orientation, diameter(rest));
+/// \param rest n×2, or a RestOf
+template <typename Rest>
+Newton newton_at(const Rest& rest, const Mesh& mesh, const Springs& springs, const Orientation& orientation,
+                 const Eigen::VectorXd& stiffness, double size) {
+  Newton newton(mesh, springs, stiffness, orientation, size);
   newton.set_energy(RestEnergy(rest, newton.system().matrix(), orientation.flat(), stiffness), 1.0);
   return newton;
 }
@@ -47,6 +49,11 @@ double HoldMethod::PinSprings::value(const Points& x, Points* gradient) const {
       gradient->row(pin.vertex[c]) += 2.0 * pin.strength * pin.weight[c] * left;
     }
   }
+  for (const LineSpring& line : lines) {
+    const double left = line.normal.dot(x.row(line.vertex)) - line.offset;
+    sum += line.strength * left * left;
+    if (gradient != nullptr) gradient->row(line.vertex) += 2.0 * line.strength * left * line.normal;
+  }
   return sum;
 }
 
@@ -58,19 +65,34 @@ void HoldMethod::PinSprings::add_hessian(MeshMatrix& matrix, double scale) const
       }
     }
   }
+  for (const LineSpring& line : lines) {
+    matrix.add(line.vertex, 2.0 * scale * line.strength * line.normal.transpose() * line.normal);
+  }
 }
 
 HoldMethod::HoldMethod(const Points& rest, const Triangles& triangles, const Orientation& orientation,
                        const Eigen::VectorXd& stiffness)
-    : mesh_(rest.rows(), triangles), newton_(newton_at(rest, mesh_, springs_, orientation, stiffness)) {}
+    : mesh_(rest.rows(), triangles),
+      newton_(newton_at(rest, mesh_, springs_, orientation, stiffness, diameter(rest))) {}
+
+HoldMethod::HoldMethod(Mesh mesh, const RestOf& rest_of, const Orientation& orientation, double size)
+    : mesh_(std::move(mesh)),
+      free_(true),
+      newton_(newton_at(rest_of, mesh_, springs_, orientation, {}, size)) {}
 
 void HoldMethod::set_handles(const HandleSet& set) {
   std::vector<Pin> pins = make_pins(mesh_, set.handles, set.strength, set.patch);
-  std::vector<char> active(at(mesh_.n_parts));
+  std::vector<char> active(at(mesh_.n_parts), free_);
   for (const Pin& pin : pins) active[at(pin.part)] = 1;
   worker_.wait();
   newton_.system().set_active(std::move(active));
   springs_.pins = std::move(pins);
+  springs_.lines.clear();
+}
+
+void HoldMethod::set_lines(std::vector<LineSpring> lines) {
+  reset();
+  springs_.lines = std::move(lines);
 }
 
 void HoldMethod::reset() noexcept {
@@ -92,12 +114,17 @@ void HoldMethod::refine(const Points& targets, Points& x, Report& report) {
 }
 
 void HoldMethod::settle(const Points& targets, Points& x, Report& report) {
-  descend(targets, {settle_budget, settle_budget, false, unlimited, tolerance * newton_.size()}, x, report);
+  settle_within(settle_budget, {}, targets, x, report);
+}
+
+void HoldMethod::settle_within(int steps, const std::function<void()>& before_step, const Points& targets,
+                               Points& x, Report& report) {
+  descend(targets, {steps, steps, false, unlimited, tolerance * newton_.size(), before_step}, x, report);
 }
 
 void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Points& x, Report& report) {
-  report.converged = springs_.pins.empty();
-  if (springs_.pins.empty()) return;
+  report.converged = springs_.pins.empty() && !free_;
+  if (report.converged) return;
   worker_.wait();
   for (Pin& pin : springs_.pins) {
     pin.position.setZero();
@@ -127,6 +154,7 @@ void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Po
 /// Takes the parts along with their pins where that is a rigid motion for the most part, no vertex further
 /// than `limit`; true if the limit stopped it.
 bool HoldMethod::follow_rigidly(double limit, Points& x) {
+  if (!springs_.lines.empty()) return false;
   std::vector<PointPair> pairs;
   pairs.reserve(springs_.pins.size());
   for (const Pin& pin : springs_.pins) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "energy/newton.h"
@@ -19,6 +20,26 @@ class HoldMethod final : public PosingMethod {
   HoldMethod(const Points& rest, const Triangles& triangles, const Orientation& orientation,
              const Eigen::VectorXd& stiffness);
 
+  /// For triangles that do not fit together at rest, each where rest_of says. Parts without handles are not
+  /// left out then, but relax.
+  ///
+  /// \param size of the shape: lengths are small or large beside it
+  HoldMethod(Mesh mesh, const RestOf& rest_of, const Orientation& orientation, double size);
+
+  /// Holds a vertex on the line normal · x = offset.
+  struct LineSpring {
+    int vertex;
+    Eigen::RowVector2d normal;  ///< of length 1
+    double offset;
+    double strength;  ///< μ
+  };
+  /// Beside the handles; to be called after set_handles(), which removes them.
+  void set_lines(std::vector<LineSpring> lines);
+
+  /// settle() in so many steps at most, before each of which the caller is told; what he throws ends it.
+  void settle_within(int steps, const std::function<void()>& before_step, const Points& targets, Points& x,
+                     Report& report);
+
   void set_handles(const HandleSet& handles) override;
   void move(const Points& targets, Points& x, Report& report) override;
   void refine(const Points& targets, Points& x, Report& report) override;
@@ -26,11 +47,12 @@ class HoldMethod final : public PosingMethod {
   void reset() noexcept override;
 
  private:
-  /// Pins with their targets in Pin::position.
+  /// Pins with their targets in Pin::position, and lines.
   struct PinSprings final : Springs {
     double value(const Points& x, Points* gradient) const override;
     void add_hessian(MeshMatrix& matrix, double scale) const override;
     std::vector<Pin> pins;
+    std::vector<LineSpring> lines;
   };
 
   Newton::Budget two_steps(double limit) const;
@@ -38,6 +60,7 @@ class HoldMethod final : public PosingMethod {
   bool follow_rigidly(double limit, Points& x);
 
   Mesh mesh_;
+  bool free_ = false;  ///< parts without handles relax
   PinSprings springs_;
   Newton newton_;
   Points trial_;

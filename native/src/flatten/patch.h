@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <complex>
+#include <vector>
+
+#include "mesh/mesh.h"
+#include "planar/types.h"
+
+namespace planar {
+
+/// A piece of surface that can be laid flat: connected, without handles, with at least one boundary. What
+/// flattening needs to know of it are its triangles, each laid flat by itself; where it is in space does not
+/// matter.
+struct Patch {
+  /// Triangles that lie the other way round than most of the area are turned round.
+  ///
+  /// \throw std::invalid_argument empty, mismatched, non-finite or out-of-range input; a mesh that is no such
+  /// patch, with what to do about it
+  Patch(const SpacePoints& vertices, const Triangles& triangles);
+
+  /// Corners of a triangle laid flat, counter-clockwise, as numbers of the plane: the first at 0, the second
+  /// on the positive real axis.
+  using Corners = std::array<std::complex<double>, 3>;
+
+  Mesh mesh;                     ///< its triangles all counter-clockwise as seen from outside
+  Flags flat;                    ///< m: triangles that nobody can see (mesh/triangle_shape.h)
+  std::vector<Corners> corners;  ///< m
+  double area;                   ///< of all triangles
+
+  /// For each edge (a, b) of the mesh, a < b: the triangle on its left and on its right, -1 where there is
+  /// none.
+  std::vector<std::array<int, 2>> beside;
+  std::vector<double> length;  ///< of each edge
+
+  /// Boundaries, the longest first: the outer one. The others are holes.
+  std::vector<std::vector<int>> loops;
+
+  double area_of(std::size_t t) const { return 0.5 * corners[t][1].real() * corners[t][2].imag(); }
+  double length_of(const std::vector<int>& loop) const;
+
+  /// Where triangle t has vertex v, which is one of its corners.
+  std::complex<double> corner(int t, int v) const;
+  /// The corner of triangle t that is neither end of edge e.
+  int apex(std::size_t e, int t) const;
+
+  /// An edge in the middle of the patch: at a vertex from which no other one is far along edges.
+  std::array<int, 2> central_edge() const;
+};
+
+}  // namespace planar
