@@ -29,8 +29,8 @@ struct Request {
     options.method = to_choice<FlattenMethod>(
         "method", method, {{"hold", FlattenMethod::hold}, {"two_step", FlattenMethod::two_steps}});
     options.iterations = iterations;
-    options.weights = to_choice<EdgeWeights>(
-        "weights", weights, {{"cotangent", EdgeWeights::cotangent}, {"uniform", EdgeWeights::uniform}});
+    options.weights = to_choice<FlattenWeights>(
+        "weights", weights, {{"cotangent", FlattenWeights::cotangent}, {"uniform", FlattenWeights::uniform}});
     if (!fixed.is_none()) {
       const Eigen::VectorXi ends = to_indices("fixed", fixed, 2);
       options.fixed = {ends[0], ends[1]};

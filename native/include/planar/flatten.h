@@ -18,7 +18,7 @@ enum class FlattenMethod {
   two_steps,  ///< [ARAP09, section 7]; triangles may be
 };
 
-enum class EdgeWeights {
+enum class FlattenWeights {
   cotangent,  ///< of the angles opposite to an edge, clamped at 0 [ARAP09, section 6]
   uniform,    ///< 1 [ARAP09 1]
 };
@@ -30,7 +30,7 @@ struct FlattenOptions {
   /// second step with turns taken from the result before.
   int iterations = 0;
 
-  EdgeWeights weights = EdgeWeights::cotangent;  ///< of the two steps, from which hold starts as well
+  FlattenWeights weights = FlattenWeights::cotangent;  ///< of the two steps, from which hold starts as well
 
   /// Two vertices of an edge. The two steps start from it, and the result has it along the positive x axis.
   /// Without: an edge in the middle of the surface, and the result lies along the x axis.

@@ -109,7 +109,7 @@ Flattener::State::State(const SpacePoints& vertices, const Triangles& triangles,
   const RestOf rest = rest_of(patch);
   std::optional<TwoSteps> steps;
   try {
-    const bool cotangent = options.weights == EdgeWeights::cotangent;
+    const bool cotangent = options.weights == FlattenWeights::cotangent;
     steps.emplace(patch, cotangent ? cotangent_weights(patch.mesh, rest) : uniform_weights(patch.mesh), edge);
     x = steps->adjusted(steps->similar());
   } catch (const SolveError&) {
