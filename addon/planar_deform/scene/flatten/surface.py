@@ -18,7 +18,7 @@ from ...model.plane.frame import Array, Indices, mapped
 from ...model.work import Progress
 from ..objects.adding import select_alone
 from ..objects.flat_object import linear_of, origin_of
-from ..storage import points
+from ..storage import migration, points
 from ..storage.topology import corner_edges, corner_vertices, edge_vertices
 
 
@@ -31,7 +31,7 @@ def refusal(context: bpy.types.Context) -> str | None:
         return "Surfaces are laid flat in Object Mode and in Edit Mode: leave this mode first"
     if not obj.data.polygons and obj.mode == "OBJECT":
         return f"'{obj.name}' has no faces: select a surface"
-    return None
+    return migration.refusal(obj)
 
 
 @contextmanager

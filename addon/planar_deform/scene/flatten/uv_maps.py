@@ -32,7 +32,9 @@ def read(layer: bpy.types.MeshUVLoopLayer) -> Array32:
 
 def write(mesh: bpy.types.Mesh, layer: bpy.types.MeshUVLoopLayer, uvs: Array32) -> None:
     """Give a map all its values, corners x 2."""
-    layer.uv.foreach_set("vector", np.ascontiguousarray(uvs, dtype=np.float32).ravel())
+    # Through `layer.uv` Blender would write to the maps of copies of the mesh as well.
+    values = mesh.attributes[layer.name].data
+    values.foreach_set("vector", np.ascontiguousarray(uvs, dtype=np.float32).ravel())
     mesh.update()
 
 
@@ -101,7 +103,10 @@ def _packed(
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.uv.select_all(action="SELECT")
-        bpy.ops.uv.pack_islands(scale=scaled, margin=MARGIN, pin=True, pin_method="LOCKED")
+        # By their outlines six squares take Blender from a second to minutes, which nobody can end.
+        bpy.ops.uv.pack_islands(
+            scale=scaled, margin=MARGIN, pin=True, pin_method="LOCKED", shape_method="AABB"
+        )
         bpy.ops.object.mode_set(mode="OBJECT")
         result = places.copy()
         result[patches.flat] = read(mesh.uv_layers.active)
