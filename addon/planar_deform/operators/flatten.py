@@ -5,15 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
 
 from ..errors import ObjectGone, Refusal
 from ..model.flatten.flattening import Flat, Settings
 from ..model.plane.frame import Array32
-from ..scene.flatten import flat_mesh, pushing, refreshing, surface, uv_maps
+from ..scene.flatten import flat_mesh, pattern, pushing, refreshing, surface, uv_maps
+from ..scene.flatten.link import is_flat_mesh
 from ..scene.objects.flat_object import make_current
 from .modal.long_job import Job, LongOperator
 from .modal.object_posing import ObjectPosing
@@ -184,8 +187,38 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
             pushing.push(obj)
 
 
+class PLANAR_OT_export_pattern(PosingOperator, ExportHelper, bpy.types.Operator):
+    bl_idname = "planar.export_pattern"
+    bl_label = "Export Pattern"
+    bl_description = (
+        "Write the flat mesh to an SVG in millimetres, a unit as long as the scene's units tell: the outline "
+        "of each patch, and numbers where Numbered Edges was on"
+    )
+    bl_options = {"REGISTER"}  # it changes nothing
+
+    filename_ext = ".svg"
+    filter_glob: StringProperty(default="*.svg", options={"HIDDEN"})
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        obj = context.object
+        return None if is_flat_mesh(obj) and obj.mode == "OBJECT" else refreshing.refusal(obj)
+
+    def apply(self, context: bpy.types.Context) -> None:
+        if not self.filepath:
+            raise Refusal("Where is the pattern to be written? Give a path")
+        path = Path(bpy.path.abspath(self.filepath))
+        pattern.export(context.object, path, context.scene.unit_settings.scale_length)
+        self.report({"INFO"}, f"Written to {path}")
+
+
 def _counted(count: int) -> str:
     return f"{count} patch{'es' if count > 1 else ''} laid flat"
 
 
-CLASSES: tuple[Any, ...] = (PLANAR_OT_flatten, PLANAR_OT_push_to_uv_map, PLANAR_OT_refresh_from_surface)
+CLASSES: tuple[Any, ...] = (
+    PLANAR_OT_flatten,
+    PLANAR_OT_push_to_uv_map,
+    PLANAR_OT_refresh_from_surface,
+    PLANAR_OT_export_pattern,
+)

@@ -124,6 +124,7 @@ class PLANAR_MT_flatten(PlanarMenu, bpy.types.Menu):
         column.operator("planar.flatten", icon="MOD_UVPROJECT")
         column.operator("planar.push_to_uv_map", icon="UV")
         column.operator("planar.refresh_from_surface", icon="FILE_REFRESH")
+        column.operator("planar.export_pattern", icon="EXPORT")
 
 
 MENUS = (

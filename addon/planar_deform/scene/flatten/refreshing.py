@@ -9,7 +9,6 @@ import numpy as np
 from ...errors import ObjectGone, Refusal
 from ...model.flatten.flattening import Settings
 from ...model.flatten.layout import nearest_motion
-from ...model.flatten.patches import cut
 from ...model.plane.frame import Array, Array32, Indices
 from ...model.work import Progress
 from ..objects import mesh_edits, rest_shape
@@ -18,8 +17,9 @@ from ..pins import pin_list
 from ..storage import points
 from .flat_mesh import upright
 from .link import CORNER, Link, is_flat_mesh, renewed, write_numbers
+from .pattern import patches_of
 from .pushing import shown_places
-from .surface import Surface, corners_of, places_of, triangles_of
+from .surface import Surface, places_of
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
@@ -78,9 +78,7 @@ class Refresh:
 
 def _surface(obj: bpy.types.Object, link: Link) -> tuple[Surface, Indices]:
     """What is to be laid flat, and which vertices of the flat mesh that is: it stays cut as it is."""
-    mesh = obj.data
-    faces, edges = np.ones(len(mesh.polygons), bool), np.zeros(len(mesh.edges), bool)
-    patches = cut(corners_of(mesh), faces, edges, triangles_of(mesh))
+    patches = patches_of(obj.data)
     rows = patches.vertices
     places = places_of(link.surface)[link.vertices[rows]]
     return Surface(obj.name, patches, places, mirrored=False), rows

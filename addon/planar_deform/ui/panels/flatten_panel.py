@@ -28,6 +28,7 @@ class PLANAR_PT_flatten(PlanarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.operator("planar.push_to_uv_map", icon="UV")
         column.operator("planar.refresh_from_surface", icon="FILE_REFRESH")
+        column.operator("planar.export_pattern", icon="EXPORT")
 
 
 CLASSES = (PLANAR_PT_flatten,)
