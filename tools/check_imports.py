@@ -34,9 +34,20 @@ MAY_IMPORT = {
 }
 # What is in these rooms may import what comes before it there.
 ORDER = {
-    "model": ["__init__", "work", "plane", "posing", "lattice", "timing", "input"],
+    "model": ["__init__", "work", "plane", "posing", "lattice", "flatten", "timing", "input"],
     "scene": [
-        *("__init__", "storage", "sequence", "objects", "pins", "lattice", "view", "inbetweens", "motion"),
+        *(
+            "__init__",
+            "storage",
+            "sequence",
+            "objects",
+            "pins",
+            "lattice",
+            "flatten",
+            "view",
+            "inbetweens",
+            "motion",
+        ),
         *("telling", "properties", "follow"),
     ],
 }

@@ -35,12 +35,15 @@ class Elements(TypedDict, total=False):
     edges: NDArray[np.int32]  # e x 2
 
 
+FlattenMethod = Literal["hold", "two_step"]
+EdgeWeights = Literal["cotangent", "uniform"]
 LatticeBasis = Literal["BERNSTEIN", "LINEAR", "CARDINAL", "CATMULL_ROM", "BSPLINE"]
 # A sparse matrix by rows: where each row begins, columns, values.
 LatticeWeights = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]
 
 Cancelled = planar_native.Cancelled
 Distortion = planar_native.Distortion
+Flattener = planar_native.Flattener
 Inbetweens = planar_native.Inbetweens
 LatticeReport = planar_native.LatticeReport
 LatticeSolver = planar_native.LatticeSolver

@@ -16,6 +16,7 @@ from .operators import (
     breakdown,
     click,
     drag,
+    flatten,
     inbetweens,
     lattice,
     live_targets,
@@ -34,7 +35,15 @@ from .operators import (
 from .scene import properties
 from .ui import menus
 from .ui.draw import gestures, mesh_edges, onion_skin, quality
-from .ui.panels import bake_panel, lattice_panel, motion_panel, pins_panel, poses_panel, posing_panel
+from .ui.panels import (
+    bake_panel,
+    flatten_panel,
+    lattice_panel,
+    motion_panel,
+    pins_panel,
+    poses_panel,
+    posing_panel,
+)
 from .ui.tool import gizmos, hint, pin_menu, pose_tool
 
 # Each has CLASSES, and register() and unregister() where these are not all; those run with the classes in.
@@ -59,6 +68,7 @@ MODULES = (
     bake,
     breakdown,
     lattice,
+    flatten,
     targets,
     live_targets,
     batch,
@@ -74,6 +84,7 @@ MODULES = (
     posing_panel,
     poses_panel,
     lattice_panel,
+    flatten_panel,
     motion_panel,
     bake_panel,
     menus,

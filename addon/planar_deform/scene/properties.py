@@ -20,6 +20,7 @@ from bpy.props import (
 
 from ..errors import Refusal, try_all
 from ..model.timing.ease import EASES
+from .flatten import pushing
 from .objects.any_object import shape_refusal
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
@@ -192,6 +193,17 @@ def _number(settings: PlanarSettings, _context: bpy.types.Context) -> None:
     migration.migrate(settings.id_data)
 
 
+def _set_live_uv(settings: PlanarSettings, context: bpy.types.Context) -> None:
+    _number(settings, context)
+    if not settings.live_uv:
+        return
+    try:
+        pushing.push(settings.id_data)
+    except Refusal as refusal:
+        settings.live_uv = False
+        tell(str(refusal), title="Live UV Off")
+
+
 class PlanarPlace(bpy.types.PropertyGroup):
     """Where the pins of a vertex group, which is its name, are on the rest shape."""
 
@@ -344,6 +356,24 @@ class PlanarSettings(bpy.types.PropertyGroup):
     key_before: IntProperty(options={"HIDDEN"})
     # The curve's values before in-betweens were generated, see model/timing/played_curve.py.
     curve_before: StringProperty(options={"HIDDEN"})
+    surface: PointerProperty(
+        type=bpy.types.Object,
+        name="Surface",
+        description="Surface that this mesh is, laid flat",
+        poll=_is_mesh,
+        update=_number,
+        options=NOT_ANIMATED,
+    )
+    surface_vertices: IntProperty(options={"HIDDEN"})  # that it had when it was laid flat
+    # How the flat mesh lies in the surface's UV map since it was first pushed; a scale of 0: it never was.
+    uv_scale: FloatProperty(options={"HIDDEN"})
+    uv_offset: FloatVectorProperty(size=2, options={"HIDDEN"})
+    live_uv: BoolProperty(
+        name="Live UV",
+        description="Let the surface's UV map follow while pins of its flat mesh are dragged",
+        update=_set_live_uv,
+        options=NOT_ANIMATED,
+    )
     # What the point cache was baked from, see motion/cache_age.py.
     cache_stamp: StringProperty(options={"HIDDEN"})
 

@@ -116,11 +116,32 @@ class PLANAR_MT_lattice(PlanarMenu, bpy.types.Menu):
         column.operator("planar.apply_lattice", icon="CHECKMARK")
 
 
+class PLANAR_MT_flatten(PlanarMenu, bpy.types.Menu):
+    bl_label = "Flatten"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        column.operator("planar.flatten", icon="MOD_UVPROJECT")
+        column.operator("planar.push_to_uv_map", icon="UV")
+        column.operator("planar.refresh_from_surface", icon="FILE_REFRESH")
+        column.operator("planar.export_pattern", icon="EXPORT")
+
+
+MENUS = (
+    PLANAR_MT_pins,
+    PLANAR_MT_posing,
+    PLANAR_MT_poses,
+    PLANAR_MT_motion,
+    PLANAR_MT_lattice,
+    PLANAR_MT_flatten,
+)
+
+
 class PLANAR_MT_object(PlanarMenu, bpy.types.Menu):
     bl_label = "Planar"
 
     def draw(self, context: bpy.types.Context) -> None:
-        for menu in (PLANAR_MT_pins, PLANAR_MT_posing, PLANAR_MT_poses, PLANAR_MT_motion, PLANAR_MT_lattice):
+        for menu in MENUS:
             self.column.menu(menu.__name__)
 
 
@@ -129,21 +150,25 @@ def _entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
     menu.layout.menu(PLANAR_MT_object.__name__)
 
 
-CLASSES = (
-    PLANAR_MT_pins,
-    PLANAR_MT_posing,
-    PLANAR_MT_poses,
-    PLANAR_MT_motion,
-    PLANAR_MT_lattice,
-    PLANAR_MT_object,
-)
+def _uv_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    menu.layout.separator()
+    menu.layout.operator_context = "INVOKE_REGION_WIN"
+    menu.layout.operator("planar.flatten").to = "UV"
+
+
+CLASSES = (*MENUS, PLANAR_MT_object)
+
+# Blender's menus, with what is put into them.
+ENTRIES = (("VIEW3D_MT_object", _entry), ("VIEW3D_MT_uv_map", _uv_entry), ("IMAGE_MT_uvs", _uv_entry))
 
 
 def register() -> None:
-    """Adds the entry to Blender's menu."""
-    bpy.types.VIEW3D_MT_object.append(_entry)
+    """Adds the entries to Blender's menus."""
+    for menu, entry in ENTRIES:
+        getattr(bpy.types, menu).append(entry)
 
 
 def unregister() -> None:
-    """Takes it away."""
-    bpy.types.VIEW3D_MT_object.remove(_entry)
+    """Takes them away."""
+    for menu, entry in ENTRIES:
+        getattr(bpy.types, menu).remove(entry)

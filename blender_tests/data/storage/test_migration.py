@@ -160,6 +160,7 @@ OPERATORS = (
     *("retime_pose", "step_poses", "generate_inbetweens", "remove_inbetweens", "breakdown", "record_pins"),
     *("edit_sequence", "thin_poses", "transfer_motion", "bake", "refine_mesh"),
     *("fit_lattice", "add_to_lattice", "apply_lattice", "solve_to_targets", "bake_targets"),
+    *("flatten", "push_to_uv_map", "refresh_from_surface", "export_pattern"),
 )
 
 

@@ -16,6 +16,7 @@ from ...model.plane.frame import Array
 from ...model.posing import solving
 from ...model.posing.pins import Holder
 from ...model.posing.posing import MOST_REFINEMENTS, Posing, Sample, Solved
+from ...scene.flatten import pushing
 from ...scene.lattice.posed import begin_posing
 from ...scene.objects import modifiers
 from ...scene.pins import pin_list, pose_holding
@@ -84,6 +85,8 @@ class ObjectPosing:
         self._moving = selection_on_press(self._selected_before, pressed, extend)
         self._settling = settling
         self._unheld = pose_holding.unheld(obj, self._distortion) if obj.type == "MESH" else None
+        self._uv_told: str | None = None
+        self._uv = self._followed_uv(obj)
         self._pivot = (
             None if pivot is None else self.drawing.from_world(np.array([pivot], dtype=np.float64))[0]
         )
@@ -171,7 +174,7 @@ class ObjectPosing:
     def finish(self, solved: Solved) -> str | None:
         """End it with this, which is shown; auto-key keys it. What the user is to be told."""
         self.keep(solved)
-        told = [] if self._unheld is None else [self._unheld]
+        told = [text for text in (self._unheld, self._uv_told) if text is not None]
         if (
             bpy.context.object == self.drawing.resolve()
             and (keyed := keying.auto_key(bpy.context)) is not None
@@ -185,6 +188,8 @@ class ObjectPosing:
         if self._wrote:
             self._wrote = False
             self.drawing.restore()
+            if self._uv is not None:
+                self._uv.take_back(obj)
         if self._kept_before is not None:
             self._kept_before.restore(obj)
         self._select(self._selected_before)
@@ -203,6 +208,16 @@ class ObjectPosing:
     def _write(self, positions: Array) -> None:
         self._wrote = True
         self.drawing.write(positions)
+        if self._uv is not None:
+            self._uv.follow(self.drawing.resolve())
+
+    def _followed_uv(self, obj: bpy.types.Object) -> pushing.Following | None:
+        """The UV map that follows; where it cannot, the drawing is posed all the same, and that is told."""
+        try:
+            return pushing.following(obj)
+        except Refusal as refusal:
+            self._uv_told = f"The UV map did not follow: {refusal}"
+            return None
 
     def _select(self, wanted: set[int]) -> None:
         for index, pin in enumerate(self.drawing.resolve().planar.pins):

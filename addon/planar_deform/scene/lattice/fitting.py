@@ -13,6 +13,7 @@ from mathutils.kdtree import KDTree
 from ...errors import Refusal
 from ...model.lattice.fitting import fitted_box
 from ...model.plane.frame import Array, mapped, plane_frame
+from ..objects.adding import link_beside, select_alone
 from ..objects.flat_object import data_refusal, is_flat, linear_of, origin_of
 from ..objects.modifiers import of_lattice
 from ..objects.pose_store import store_of
@@ -85,27 +86,15 @@ def fit(
         raise Refusal(str(error)) from error
     data = bpy.data.lattices.new("Lattice")
     lattice = bpy.data.objects.new("Lattice", data)
-    _link(context, objects[0], lattice)
+    link_beside(context, objects[0], lattice)
     data.points_u, data.points_v, data.points_w = counts  # from -0.5 to 0.5, as it has an object by now
     for axis in "uvw":
         setattr(data, f"interpolation_type_{axis}", basis)
     lattice.matrix_world = Matrix.LocRotScale(mapped(centre[None, :], axes.T.copy())[0], turn, size)
     for obj in objects:
         add_modifier(obj, lattice)
-    for obj in context.selected_objects:
-        obj.select_set(False)
-    lattice.select_set(True)
-    context.view_layer.objects.active = lattice
+    select_alone(context, lattice)
     return lattice
-
-
-def _link(context: bpy.types.Context, beside: bpy.types.Object, lattice: bpy.types.Object) -> None:
-    """Into the collection of an object that is seen, so that it is seen as well."""
-    own = [collection for collection in beside.users_collection if collection.library is None]
-    (own[0] if own else context.scene.collection).objects.link(lattice)
-    space = context.space_data
-    if isinstance(space, bpy.types.SpaceView3D) and space.local_view is not None:
-        lattice.local_view_set(space, True)
 
 
 def add_modifier(obj: bpy.types.Object, lattice: bpy.types.Object) -> bpy.types.Modifier:
