@@ -2,7 +2,8 @@
 """Draws two characters, pins and poses them in Blender with the add-on's operators, and renders them.
 
 One of them is posed by each method, to compare them. Poses of both are keyed on the timeline, the frames
-between them are generated, and a film of it is rendered.
+between them are generated, and a film of it is rendered. Lattices bend several objects and a model, and a
+surface is laid flat.
 
 Run by `make demo`. Writes out/demo.blend, out/contact_sheet.png, out/demo.mp4 and out/film_sheet.png; with
 --pictures FOLDER also the docs' pictures.
@@ -36,12 +37,14 @@ import lattices  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
 import puppet  # noqa: E402
+import surfaces  # noqa: E402
 from comparison import Trial  # noqa: E402
 from contact_sheet import View  # noqa: E402
 from drawing import Layer  # noqa: E402
 
 Cell = tuple[str, str, Image.Image]  # label, note, picture
 STAGE = View.around(8.9, -0.55, 6.1, 1400, 372)  # what the film shows
+SURFACE = 26.0  # where the one stands that is laid flat, out of the film
 LATTICES = (13.9, 18.0)  # where those stand that lattices deform
 SHEET_STEP = 4  # frames from one picture of the film's sheet to the next
 
@@ -119,9 +122,12 @@ def run(pictures: Path | None) -> None:
         obj.hide_render = True  # until the film: the next one's pictures show what is behind it, too
 
     in_lattices = bend()
+    laid_flat = unroll()
     out = ROOT / "out"
     out.mkdir(exist_ok=True)
-    sheet = contact_sheet.sheet("Planar Deform: drawn once, posed by pins", rows + compared + in_lattices)
+    sheet = contact_sheet.sheet(
+        "Planar Deform: drawn once, posed by pins", rows + compared + in_lattices + [laid_flat]
+    )
     sheet.save(out / "contact_sheet.png", optimize=True)
     film_sheet = make_film(cast, out / "demo.mp4")
     film_sheet.save(out / "film_sheet.png", optimize=True)
@@ -133,6 +139,7 @@ def run(pictures: Path | None) -> None:
         images |= {"contact_sheet": sheet, "film": film_sheet}
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
         images["lattices"] = contact_sheet.sheet("Posed by one lattice each", in_lattices)
+        images["flatten"] = contact_sheet.sheet("A surface laid flat, and what it is posed by", [laid_flat])
         images["methods"] = contact_sheet.sheet("The same drags by each method", compared)
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
@@ -221,6 +228,13 @@ def fill_in(obj: bpy.types.Object) -> None:
     seconds = time.perf_counter() - start
     made = len(obj.data.shape_keys.key_blocks) - blocks
     print(f"  {made} in-betweens generated in {seconds:.2f} s; {travelled(obj)}")
+
+
+def unroll() -> list[Cell]:
+    """Lays a surface flat and poses the flat mesh; cells of it."""
+    pins = {"Left": (-2.0, 0.1), "Right": (2.0, 0.1), "Neck": (0.0, 0.4), "Middle": (0.0, -0.7)}
+    drags = {"Right": (-0.25, 0.75), "Left": (0.3, 0.35)}
+    return surfaces.perform(surfaces.hood(SURFACE, 0.0), pins, drags)
 
 
 def travelled(obj: bpy.types.Object) -> str:

@@ -13,12 +13,14 @@ import contact_sheet
 import planar_native
 from contact_sheet import View
 
+Place = tuple[float, float]
 Cell = tuple[str, str, Image.Image]  # label, note, picture
 ROWS, COLUMNS = 22, 64  # of the hood's faces
 SQUARES = 14  # of the checker, along the map
 LIGHT = (-0.4, -0.7, 0.6)  # where it comes from
 DARK, BRIGHT = (0.16, 0.30, 0.42), (0.93, 0.86, 0.70)  # squares of the checker
-VIEW = View.around(0.0, -1.35, 2.7, 340, 340)
+SOLID = View.around(0.0, -0.95, 2.5, 290, 300)  # what shows the surface,
+FLAT = View.around(0.05, -1.6, 3.5, 550, 300)  # and the flat mesh
 
 
 def hood(x: float, z: float) -> bpy.types.Object:
@@ -27,7 +29,11 @@ def hood(x: float, z: float) -> bpy.types.Object:
     round_ = np.radians(np.linspace(20.0, 340.0, COLUMNS + 1) - 270.0)[None, :]
     radius = 1.0 + 0.1 * np.cos(3.0 * round_) * np.sin(down) ** 2
     places = np.stack(
-        [radius * np.sin(down) * np.cos(round_), radius * np.sin(down) * np.sin(round_), 1.15 * np.cos(down) + 0 * round_],
+        [
+            radius * np.sin(down) * np.cos(round_),
+            radius * np.sin(down) * np.sin(round_),
+            1.15 * np.cos(down) + 0 * round_,
+        ],
         axis=-1,
     ).reshape(-1, 3)
     first = (np.arange(ROWS)[:, None] * (COLUMNS + 1) + np.arange(COLUMNS)).ravel()
@@ -43,7 +49,7 @@ def hood(x: float, z: float) -> bpy.types.Object:
     return obj
 
 
-def perform(surface: bpy.types.Object, pins: Mapping[str, tuple[float, float]], drags: Mapping[str, tuple[float, float]]) -> list[Cell]:
+def perform(surface: bpy.types.Object, pins: Mapping[str, Place], drags: Mapping[str, Place]) -> list[Cell]:
     """Lays the surface flat, and drags pins of the flat mesh, named with their places; cells of that."""
     _activate(surface)
     bpy.ops.planar.flatten(to="UV")
@@ -78,15 +84,16 @@ def _picture(obj: bpy.types.Object, surface: bpy.types.Object) -> Image.Image:
     for other in bpy.data.objects:
         if other.type == "MESH":
             other.hide_render = other != obj
-    view = View(VIEW.left + x, VIEW.bottom + z, VIEW.unit, VIEW.width, VIEW.height)
-    rendered = contact_sheet.render(bpy.context.scene, view)
+    view = SOLID if obj == surface else FLAT
+    shown = View(view.left + x, view.bottom + z, view.unit, view.width, view.height)
+    rendered = contact_sheet.render(bpy.context.scene, shown)
     points = _places(obj)
     pins, edges = {}, None
     if obj != surface:
         edges = np.array([edge.vertices[:] for edge in obj.data.edges])
         for pin in obj.planar.pins:
             pins[pin.group] = points[next(iter(_members(obj, pin.group)))]
-    return contact_sheet.cell(rendered, VIEW, points, pins, set(), (226, 226, 214), edges)
+    return contact_sheet.cell(rendered, view, points, pins, set(), (226, 226, 214), edges)
 
 
 def _against(surface: bpy.types.Object, flat: bpy.types.Object) -> str:
