@@ -19,7 +19,7 @@ from planar_deform.scene.sequence.pose_blocks import own_curve
 FPS = 24
 SAMPLES = 4
 HOLD = 5  # frames for which a pose stands
-PERCENTAGE = 75  # of the view's pixels; what a frame costs grows with them
+PERCENTAGE = 75  # of the view's pixels, even numbers for the codec; what a frame costs grows with them
 CELL = 0.4  # of the film's size
 SKY = ((172, 212, 214), (250, 226, 196))  # above, at the horizon
 GROUND = ((214, 190, 152), (190, 160, 122))  # at the horizon, below
