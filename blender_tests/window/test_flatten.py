@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from cutouts import activate, active, shape
 from harness import Window
+from test_menus import search
 
 
 def tube(around: int = 24, along: int = 8) -> bpy.types.Object:
@@ -76,9 +77,10 @@ def test_selected_faces_are_laid_flat_from_the_uv_menu_and_undone(window: Window
     window.picture("flatten_uv")
     yield from window.key("TAB")
     assert np.ptp(uvs(obj), axis=0).max() > 0.9
-    yield from window.undo()
-    yield from window.undo()
-    yield from window.undo()
+    for _ in range(2):  # the mode, and all of Flatten
+        yield from window.undo()
+    assert bpy.context.mode == "EDIT_MESH"
+    bpy.ops.object.mode_set(mode="OBJECT")
     assert not bpy.data.objects["Tube"].data.uv_layers
 
 
@@ -88,9 +90,12 @@ def test_pins_of_the_flat_mesh_are_dragged_and_the_surface_s_map_follows_live(
     tube()
     bpy.ops.ed.undo_push(message="Test Scene")
     yield from textured(window)
-    yield from window.sidebar()
-    yield from window.push("planar.flatten")
+    yield from search(window, "Flatten")
     assert active().name == "Tube Flat", window.reports()
+    yield from window.sidebar()
+    yield from window.push("planar.push_to_uv_map")
+    assert active().planar.uv_scale > 0.0, window.reports()
+    window.area.spaces.active.show_region_ui = False
     yield from window.use_tool()
     places = np.array([active().matrix_world @ vertex.co for vertex in active().data.vertices])
     low, high = places.min(axis=0) + 0.2, places.max(axis=0) - 0.2
