@@ -76,6 +76,7 @@ def test_selected_faces_are_laid_flat_from_the_uv_menu_and_undone(window: Window
     assert bpy.context.mode == "EDIT_MESH"
     window.picture("flatten_uv")
     yield from window.key("TAB")
+    yield
     assert np.ptp(uvs(obj), axis=0).max() > 0.9
     for _ in range(2):  # the mode, and all of Flatten
         yield from window.undo()
