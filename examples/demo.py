@@ -33,11 +33,11 @@ import cutout  # noqa: E402
 import dragon  # noqa: E402
 import film  # noqa: E402
 import fox  # noqa: E402
+import hood  # noqa: E402
 import lattices  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
 import puppet  # noqa: E402
-import surfaces  # noqa: E402
 from comparison import Trial  # noqa: E402
 from contact_sheet import View  # noqa: E402
 from drawing import Layer  # noqa: E402
@@ -234,7 +234,7 @@ def unroll() -> list[Cell]:
     """Lays a surface flat and poses the flat mesh; cells of it."""
     pins = {"Left": (-2.0, 0.1), "Right": (2.0, 0.1), "Neck": (0.0, 0.4), "Middle": (0.0, -0.7)}
     drags = {"Right": (-0.25, 0.75), "Left": (0.3, 0.35)}
-    return surfaces.perform(surfaces.hood(SURFACE, 0.0), pins, drags)
+    return hood.perform(hood.build(SURFACE, 0.0), pins, drags)
 
 
 def travelled(obj: bpy.types.Object) -> str:

@@ -151,3 +151,13 @@ def test_script_of_the_motion_page():
     assert all(change[frame] < 0.015 for frame in (1, 13, 20, 29, 31)), "thinned at most"
     assert all(np.allclose(shown(twin, frame), shown(obj, frame), atol=0.03) for frame in before)
     assert len(obj.planar.poses) < len(twin.planar.poses) == 5
+
+
+def test_script_of_the_flatten_page():
+    exec(script_of("flatten.md"), {})
+    flat = bpy.context.object
+    assert len(flat.data.polygons) == 24
+    assert max(item.value for item in flat.data.attributes["planar_edge_number"].data) == 1
+    assert flat.planar.surface.data.uv_layers.active is not None
+    width, _, height = flat.dimensions
+    assert np.allclose((width, height), (24 * 2 * np.sin(np.pi / 24), 2.0), atol=1e-5)

@@ -181,10 +181,14 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
         yield 0.0
         refresh.write(rest)
         obj = bpy.context.object
-        if refresh.posed and any(pin.enabled for pin in obj.planar.pins):
-            ObjectPosing(bpy.context, settling=True).run([STILL], settle=True)
-        elif obj.planar.live_uv:
-            pushing.push(obj)
+        try:
+            if refresh.posed and any(pin.enabled for pin in obj.planar.pins):
+                ObjectPosing(bpy.context, settling=True).run([STILL], settle=True)
+            elif obj.planar.live_uv:
+                pushing.push(obj)
+        except Exception:
+            refresh.take_back()
+            raise
 
 
 class PLANAR_OT_export_pattern(PosingOperator, ExportHelper, bpy.types.Operator):

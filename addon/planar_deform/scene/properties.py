@@ -248,8 +248,8 @@ class PlanarSettings(bpy.types.PropertyGroup):
             (
                 "ARAP",
                 "ARAP",
-                "As-rigid-as-possible, in two linear steps, as other programs know it: quick at any size, but "
-                "it depends on how the drawing is meshed, and large poses turn triangles over",
+                "As-rigid-as-possible, in two linear steps, as other programs know it: the same work for any "
+                "move, but it depends on how the drawing is meshed, and large poses turn triangles over",
             ),
         ),
         update=_number,

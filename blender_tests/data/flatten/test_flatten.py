@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flatten: flat meshes true to scale, UV maps, seams, and what cannot be laid flat."""
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -162,6 +163,23 @@ def test_the_fixed_edge_lies_horizontal():
         ends = [int(np.flatnonzero(surface_vertices(flat) == vertex)[0]) for vertex in (30, 54)]
         along = np.diff(coordinates(flat.data.vertices)[ends], axis=0)[0]
         assert abs(along[2]) < 1e-5 * abs(along[0])
+
+
+def test_in_edit_mode_the_active_edge_is_fixed():
+    obj = tube()
+    activate(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    bpy.ops.mesh.select_all(action="SELECT")
+    mesh = bmesh.from_edit_mesh(obj.data)
+    edge = next(edge for edge in mesh.edges if {vertex.index for vertex in edge.verts} == {30, 54})
+    mesh.select_history.add(edge)
+    bmesh.update_edit_mesh(obj.data)
+    assert bpy.ops.planar.flatten() == {"FINISHED"}
+    flat = bpy.context.object
+    ends = [int(np.flatnonzero(surface_vertices(flat) == vertex)[0]) for vertex in (30, 54)]
+    along = np.diff(coordinates(flat.data.vertices)[ends], axis=0)[0]
+    assert abs(along[2]) < 1e-5 * abs(along[0])
 
 
 def test_two_steps_and_weights_are_other_shapes_where_a_surface_cannot_be_unrolled():

@@ -244,6 +244,28 @@ def test_refreshed_in_a_pose_the_pins_stay_where_they_hold_it():
     assert np.abs(stretches(obj, flat) - 1.0).max() < 2e-6
 
 
+@pytest.mark.parametrize("posed", [False, True])
+def test_refreshed_in_vain_everything_is_as_it_was(posed, monkeypatch):
+    from planar_deform.errors import Refusal
+    from planar_deform.operators import flatten as operators
+
+    def refuse(*_args, **_options):
+        raise Refusal("not now")
+
+    obj = tube()
+    flat = live(obj)
+    if posed:
+        assert bpy.ops.planar.drag_pins(pin=1, offset=(0.4, 0.5)) == {"FINISHED"}
+    obj.data.vertices[60].co *= 1.2
+    obj.data.update()
+    monkeypatch.setattr(operators, "ObjectPosing", refuse)
+    monkeypatch.setattr(operators.pushing, "push", refuse)
+    before = all_of(obj, flat)
+    with pytest.raises(RuntimeError, match="not now"):
+        bpy.ops.planar.refresh_from_surface()
+    assert all_of(obj, flat) == before
+
+
 def test_refreshed_live_the_map_follows():
     obj = tube()
     flat = live(obj)

@@ -188,12 +188,12 @@ class ObjectPosing:
         if self._wrote:
             self._wrote = False
             self.drawing.restore()
-            if self._uv is not None:
-                self._uv.take_back(obj)
         if self._kept_before is not None:
             self._kept_before.restore(obj)
         self._select(self._selected_before)
         obj.planar.active_pin = self._active_before
+        if self._uv is not None:
+            self._uv.take_back(obj)
 
     def click(self) -> bool:
         """End it, unmoved, as a click on the pressed pin; whether that changed the selection."""

@@ -16,7 +16,7 @@ from ..objects.flat_object import data_refusal
 from ..pins import pin_list
 from ..storage import points
 from .flat_mesh import upright
-from .link import CORNER, Link, is_flat_mesh, renewed, write_numbers
+from .link import CORNER, Link, is_flat_mesh, numbers_of, renewed, write_numbers
 from .pattern import patches_of
 from .pushing import shown_places
 from .surface import Surface, places_of
@@ -47,6 +47,9 @@ class Refresh:
         stored = rest_shape.stored_of(obj.data)
         shown = points.read(obj)
         self._rest = shown if stored is None else stored
+        self._shown, self._stored, self._owners = shown, stored, rest_shape.owners_of(obj.data)
+        self._corners_before = numbers_of(obj.data, CORNER)
+        self._pins_before: pin_list.SavedResults | None = None
         self.posed = stored is not None and not np.array_equal(stored, shown)
 
     def solve(self, progress: Progress) -> Array32:
@@ -64,9 +67,8 @@ class Refresh:
 
     def write(self, rest: Array32) -> None:
         """Give the flat mesh its new rest shape, and show it where no pose is shown. Raises ObjectGone."""
-        obj = bpy.data.objects.get(self._object[0])
-        if obj is None or obj.session_uid != self._object[1] or len(obj.data.vertices) != len(rest):
-            raise ObjectGone(f"'{self._object[0]}' is gone, or has changed")
+        obj = self._resolve()
+        self._pins_before = pin_list.SavedResults(obj)
         write_numbers(obj.data, CORNER, self._corners + 1)
         rest_shape.write(obj.data, rest)
         if not self.posed:
@@ -74,6 +76,24 @@ class Refresh:
             pin_list.forget_targets(obj)
         points.update(obj)
         mesh_edits.see(obj)
+
+    def take_back(self) -> None:
+        """Put everything back as it was before it was written. Raises ObjectGone."""
+        obj = self._resolve()
+        if self._corners_before is not None:
+            write_numbers(obj.data, CORNER, self._corners_before)
+        rest_shape.put_back(obj.data, self._stored, self._owners)
+        points.write(obj, self._shown)
+        if self._pins_before is not None:
+            self._pins_before.restore(obj)
+        points.update(obj)
+        mesh_edits.see(obj)
+
+    def _resolve(self) -> bpy.types.Object:
+        obj = bpy.data.objects.get(self._object[0])
+        if obj is None or obj.session_uid != self._object[1] or len(obj.data.vertices) != len(self._rest):
+            raise ObjectGone(f"'{self._object[0]}' is gone, or has changed")
+        return obj
 
 
 def _surface(obj: bpy.types.Object, link: Link) -> tuple[Surface, Indices]:

@@ -15,14 +15,23 @@ class PLANAR_PT_flatten(PlanarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and context.object.type == "MESH"
+        obj = context.object
+        return obj is not None and obj.type == "MESH" and not is_flat_mesh(obj)
 
     def draw(self, context: bpy.types.Context) -> None:
-        obj, layout = context.object, self.layout
-        if not is_flat_mesh(obj):
-            layout.operator("planar.flatten", icon="MOD_UVPROJECT")
-            return
-        settings = obj.planar
+        self.layout.operator("planar.flatten", icon="MOD_UVPROJECT")
+
+
+class PLANAR_PT_flat_mesh(PlanarPanel, bpy.types.Panel):
+    bl_label = "Flat Mesh"
+    bl_order = 1  # below the list of poses
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_flat_mesh(context.object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.object.planar
         layout.prop(settings, "surface")
         layout.prop(settings, "live_uv")
         column = layout.column(align=True)
@@ -31,4 +40,4 @@ class PLANAR_PT_flatten(PlanarPanel, bpy.types.Panel):
         column.operator("planar.export_pattern", icon="EXPORT")
 
 
-CLASSES = (PLANAR_PT_flatten,)
+CLASSES = (PLANAR_PT_flatten, PLANAR_PT_flat_mesh)

@@ -23,7 +23,7 @@ SOLID = View.around(0.0, -0.95, 2.5, 290, 300)  # what shows the surface,
 FLAT = View.around(0.05, -1.6, 3.5, 550, 300)  # and the flat mesh
 
 
-def hood(x: float, z: float) -> bpy.types.Object:
+def build(x: float, z: float) -> bpy.types.Object:
     """A surface that nobody can unroll, open below: half an egg with a cut at its back and an open crown."""
     down = np.radians(np.linspace(18.0, 118.0, ROWS + 1))[:, None]
     round_ = np.radians(np.linspace(20.0, 340.0, COLUMNS + 1) - 270.0)[None, :]

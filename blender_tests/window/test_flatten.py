@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flatten by hand: from the UV menu, as seen in the UV editor; and its flat mesh posed with Live UV on."""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from cutouts import activate, active, shape
+from harness import Window
+from test_menus import search
+
+
+def tube(around: int = 24, along: int = 8) -> bpy.types.Object:
+    """A tube with a seam at its back and a checker on it, as imported: along Y, turned and scaled."""
+    angles = 2.0 * np.pi * np.arange(around) / around + np.pi / 2
+    rows = np.linspace(-0.5, 0.5, along + 1)
+    vertices = [(0.25 * np.cos(a), y, -0.25 * np.sin(a)) for y in rows for a in angles]
+    first = [(j * around + i, j * around + (i + 1) % around) for j in range(along) for i in range(around)]
+    mesh = bpy.data.meshes.new("Tube")
+    mesh.from_pydata(vertices, [], [(a, b, b + around, a + around) for a, b in first])
+    for edge in mesh.edges:
+        edge.use_seam = all(vertex % around == 0 for vertex in edge.vertices)
+    material = bpy.data.materials.new("Checker")
+    material.use_nodes = True
+    image = bpy.data.images.new("Checker", 512, 512)
+    image.generated_type = "COLOR_GRID"
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    material.node_tree.nodes.active = node
+    mesh.materials.append(material)
+    obj = bpy.data.objects.new("Tube", mesh)
+    bpy.context.collection.objects.link(obj)
+    obj.rotation_euler, obj.scale, obj.location = (np.pi / 2, 0.0, 0.0), (2.0, 2.0, 2.0), (-2.5, 0.0, 0.0)
+    activate(obj)
+    return obj
+
+
+def uvs(obj: bpy.types.Object) -> np.ndarray:
+    layer = obj.data.uv_layers.active
+    found = np.empty(2 * len(layer.uv), np.float32)
+    layer.uv.foreach_get("vector", found)
+    return found.reshape(-1, 2)
+
+
+def textured(window: Window) -> Iterator[None]:
+    yield from window.look("FRONT", distance=9.0)
+    window.area.spaces.active.shading.color_type = "TEXTURE"
+    yield from window.wait(0.3)
+
+
+def uv_editor(window: Window) -> bpy.types.Area:
+    """Beside the view."""
+    before = set(window.window.screen.areas)
+    with window.context():
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.6)
+    (area,) = set(window.window.screen.areas) - before
+    area.ui_type = "UV"
+    return area
+
+
+def test_selected_faces_are_laid_flat_from_the_uv_menu_and_undone(window: Window) -> Iterator[None]:
+    obj = tube()
+    uv_editor(window)
+    yield from textured(window)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.hover(window.pixel((-2.5, 0.0, 0.0)))
+    yield from window.key("U")
+    yield from window.wait(0.3)
+    window.picture("flatten_menu")
+    yield from window.key("UP_ARROW")
+    yield from window.key("RET")
+    yield from window.wait(0.5)
+    assert bpy.context.window_manager.operators[-1].bl_idname == "PLANAR_OT_flatten", window.reports()
+    assert bpy.context.mode == "EDIT_MESH"
+    window.picture("flatten_uv")
+    yield from window.key("TAB")
+    yield
+    assert np.ptp(uvs(obj), axis=0).max() > 0.9
+    for _ in range(2):  # the mode, and all of Flatten
+        yield from window.undo()
+    assert bpy.context.mode == "EDIT_MESH"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not bpy.data.objects["Tube"].data.uv_layers
+
+
+def test_pins_of_the_flat_mesh_are_dragged_and_the_surface_s_map_follows_live(
+    window: Window,
+) -> Iterator[None]:
+    tube()
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from textured(window)
+    yield from search(window, "Flatten")
+    assert active().name == "Tube Flat", window.reports()
+    yield from window.sidebar()
+    yield from window.push("planar.push_to_uv_map")
+    assert active().planar.uv_scale > 0.0, window.reports()
+    window.area.spaces.active.show_region_ui = False
+    yield from window.use_tool()
+    places = np.array([active().matrix_world @ vertex.co for vertex in active().data.vertices])
+    low, high = places.min(axis=0) + 0.2, places.max(axis=0) - 0.2
+    left, right = (low[0], 0.0, low[2]), (high[0], 0.0, high[2])
+    for place in (left, right):
+        yield from window.click(window.pixel(place), ctrl=True)
+    assert len(active().planar.pins) == 2
+    active().planar.live_uv = True
+    bpy.ops.ed.undo_push(message="Live UV")
+    yield from window.wait(0.3)
+    window.picture("live_before")
+    surface = bpy.data.objects["Tube"]
+    before, drawn = uvs(surface), shape()
+    goal = window.pixel((right[0] - 0.6, 0.0, right[2] + 1.0))
+    for way_out in ("ESC", "RIGHTMOUSE"):
+        yield from window.hover(window.pixel(right))
+        yield from window.press()
+        yield from window.move(goal, steps=6)
+        yield from window.wait(0.3)
+        assert np.abs(uvs(surface) - before).max() > 0.05, "while it is dragged"
+        yield from window.key(way_out)
+        yield from window.release()
+        assert np.array_equal(uvs(surface), before)
+        assert np.array_equal(shape(), drawn)
+    yield from window.drag(window.pixel(right), goal)
+    yield from window.wait(0.5)
+    window.picture("live_after")
+    surface = bpy.data.objects["Tube"]
+    after = uvs(surface)
+    assert np.abs(after - before).max() > 0.05
+    yield from window.undo()
+    assert np.array_equal(uvs(bpy.data.objects["Tube"]), before), "one step takes both back"
+    assert np.array_equal(shape(), drawn)
+    yield from window.redo()
+    assert np.array_equal(uvs(bpy.data.objects["Tube"]), after)
