@@ -21,6 +21,8 @@ from surfaces import (
     uvs,
 )
 
+from planar_deform.compat import uv_pins
+
 RIGID = ("none", "rotated", "mirrored", "tiny", "huge and far")
 
 
@@ -262,11 +264,12 @@ def test_objects_edited_together_are_edited_together_afterwards():
 
 def pin(obj, places):
     """Pin vertices of an object in its map at places, on all their corners."""
+    pins = uv_pins(obj.data)
     layer = obj.data.uv_layers.active
     for corner in obj.data.loops:
         if corner.vertex_index in places:
             layer.uv[corner.index].vector = places[corner.vertex_index]
-            layer.pin[corner.index].value = True
+            pins[corner.index].value = True
 
 
 def test_pinned_uvs_stay_and_tell_the_scale_of_all_islands():
@@ -295,10 +298,11 @@ def test_an_island_without_pins_gets_the_scale_of_the_pinned_one_and_keeps_off_i
     first = obj.data.polygons[0]
     square = ((0.4, 0.4), (0.6, 0.4), (0.6, 0.6), (0.4, 0.6))
     goals = np.array(square, np.float32)[::1]
+    pins = uv_pins(obj.data)
     layer = obj.data.uv_layers.active
     for corner, place in zip(first.loop_indices, goals, strict=True):
         layer.uv[corner].vector = place
-        layer.pin[corner].value = True
+        pins[corner].value = True
     activate(obj)
     assert bpy.ops.planar.flatten(to="UV") == {"FINISHED"}
     assert np.abs(uvs(obj)[list(first.loop_indices)] - goals).max() < 1e-5
