@@ -193,6 +193,14 @@ def test_two_steps_and_weights_are_other_shapes_where_a_surface_cannot_be_unroll
     assert np.abs(places[1] - places[2]).max() > 1e-4
 
 
+def test_triangles_that_two_steps_turn_over_are_told(capfd):
+    obj = cap(rings=12, around=16, angle=2.9)
+    flatten(obj, method="TWO_STEP")
+    assert "triangles are turned over: Hold Shape has none" in capfd.readouterr().out
+    flatten(obj)
+    assert "1 patch laid flat\n" in capfd.readouterr().out
+
+
 # ---- UV maps
 
 
