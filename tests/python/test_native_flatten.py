@@ -112,5 +112,5 @@ def test_lines_are_checked(lines, message):
 
 
 def test_an_object_of_new_alone_is_refused():
-    with pytest.raises((TypeError, ValueError)):
+    with pytest.raises((TypeError, RuntimeError)):
         planar_native.Flattener.__new__(planar_native.Flattener).settle()
