@@ -82,3 +82,12 @@ def brush_weight_owner(tools: bpy.types.ToolSettings) -> bpy.types.bpy_struct | 
     paint = tools.weight_paint
     shared = paint.unified_paint_settings if bpy.app.version >= (5, 0, 0) else tools.unified_paint_settings
     return shared if shared.use_unified_weight else paint.brush
+
+
+def uv_pins(mesh: bpy.types.Mesh) -> bpy.types.bpy_prop_collection:
+    """What tells for each corner whether it is pinned in the active UV map, to be written.
+
+    In newer versions a map has none until it is asked for, and references to maps are no good after that.
+    """
+    layer = mesh.uv_layers.active
+    return layer.pin_ensure().data if hasattr(layer, "pin_ensure") else layer.pin

@@ -85,6 +85,27 @@ def test_selected_faces_are_laid_flat_from_the_uv_menu_and_undone(window: Window
     assert not bpy.data.objects["Tube"].data.uv_layers
 
 
+def test_in_the_uv_editor_islands_are_laid_flat_where_they_are_seen(window: Window) -> Iterator[None]:
+    obj = tube()
+    for edge in obj.data.edges:
+        edge.use_seam = edge.use_seam or all(vertex % 24 == 12 for vertex in edge.vertices)
+    area = uv_editor(window)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    yield from window.wait(0.2)
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window.window, area=area, region=region):
+        bpy.ops.planar.flatten("INVOKE_DEFAULT", to="UV")
+    yield from window.wait(0.5)
+    assert bpy.context.mode == "EDIT_MESH"
+    window.picture("flatten_uv_editor")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    found = uvs(bpy.data.objects["Tube"])
+    assert found.min() >= 0.0
+    assert found.max() <= 1.0
+    assert np.ptp(found, axis=0).max() > 0.9
+
+
 def test_pins_of_the_flat_mesh_are_dragged_and_the_surface_s_map_follows_live(
     window: Window,
 ) -> Iterator[None]:

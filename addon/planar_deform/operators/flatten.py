@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..errors import ObjectGone, Refusal
-from ..model.flatten.flattening import Flat, Settings
+from ..model.flatten.flattening import Flat, Settings, turned_over
 from ..model.plane.frame import Array32
 from ..scene.flatten import flat_mesh, pattern, pushing, refreshing, surface, uv_maps
 from ..scene.flatten.link import is_flat_mesh
@@ -117,7 +117,13 @@ class PLANAR_OT_flatten(Flattening, bpy.types.Operator):
                 held = uv_maps.pinned(obj.data, found.patches)
         solve = partial(found.flattened, self.settings(fixed), held=held)
         write = partial(self._write, obj.name, obj.session_uid, found)
-        return Job(write, solve, lambda _: _counted(found.patches.count))
+        return Job(write, solve, partial(self._summary, found))
+
+    def _summary(self, found: surface.Surface, flat: Flat) -> str:
+        count = found.patches.count
+        told = f"{count} patch{'es' if count > 1 else ''} laid flat"
+        over = turned_over(flat.places, found.patches.triangles) if self.method == "TWO_STEP" else 0
+        return f"{told}; {over} triangles are turned over: Hold Shape has none" if over else told
 
     def _write(self, name: str, uid: int, found: surface.Surface, flat: Flat) -> Generator[float, None, None]:
         yield 0.0
@@ -214,10 +220,6 @@ class PLANAR_OT_export_pattern(PosingOperator, ExportHelper, bpy.types.Operator)
         path = Path(bpy.path.abspath(self.filepath))
         pattern.export(context.object, path, context.scene.unit_settings.scale_length)
         self.report({"INFO"}, f"Written to {path}")
-
-
-def _counted(count: int) -> str:
-    return f"{count} patch{'es' if count > 1 else ''} laid flat"
 
 
 CLASSES: tuple[Any, ...] = (

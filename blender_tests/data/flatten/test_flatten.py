@@ -21,6 +21,8 @@ from surfaces import (
     uvs,
 )
 
+from planar_deform.compat import uv_pins
+
 RIGID = ("none", "rotated", "mirrored", "tiny", "huge and far")
 
 
@@ -191,6 +193,14 @@ def test_two_steps_and_weights_are_other_shapes_where_a_surface_cannot_be_unroll
     assert np.abs(places[1] - places[2]).max() > 1e-4
 
 
+def test_triangles_that_two_steps_turn_over_are_told(capfd):
+    obj = cap(rings=12, around=16, angle=2.9)
+    flatten(obj, method="TWO_STEP")
+    assert "triangles are turned over: Hold Shape has none" in capfd.readouterr().out
+    flatten(obj)
+    assert "1 patch laid flat\n" in capfd.readouterr().out
+
+
 # ---- UV maps
 
 
@@ -262,11 +272,12 @@ def test_objects_edited_together_are_edited_together_afterwards():
 
 def pin(obj, places):
     """Pin vertices of an object in its map at places, on all their corners."""
+    pins = uv_pins(obj.data)
     layer = obj.data.uv_layers.active
     for corner in obj.data.loops:
         if corner.vertex_index in places:
             layer.uv[corner.index].vector = places[corner.vertex_index]
-            layer.pin[corner.index].value = True
+            pins[corner.index].value = True
 
 
 def test_pinned_uvs_stay_and_tell_the_scale_of_all_islands():
@@ -295,10 +306,11 @@ def test_an_island_without_pins_gets_the_scale_of_the_pinned_one_and_keeps_off_i
     first = obj.data.polygons[0]
     square = ((0.4, 0.4), (0.6, 0.4), (0.6, 0.6), (0.4, 0.6))
     goals = np.array(square, np.float32)[::1]
+    pins = uv_pins(obj.data)
     layer = obj.data.uv_layers.active
     for corner, place in zip(first.loop_indices, goals, strict=True):
         layer.uv[corner].vector = place
-        layer.pin[corner].value = True
+        pins[corner].value = True
     activate(obj)
     assert bpy.ops.planar.flatten(to="UV") == {"FINISHED"}
     assert np.abs(uvs(obj)[list(first.loop_indices)] - goals).max() < 1e-5

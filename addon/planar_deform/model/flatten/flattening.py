@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from ... import native
+from ..plane.cutout import signed_areas
 from ..plane.frame import Array, Indices
 from ..work import Progress
 from .layout import nearest_motion, size_ratio
@@ -89,6 +90,11 @@ def flatten(
     for patch, rows, solver in solvers:
         places[rows] = _taken(patch, solver, held.of(rows), unit)
     return Flat(places, unit, np.array([patch for patch, _, _ in solvers], np.int32))
+
+
+def turned_over(places: Array, triangles: Indices) -> int:
+    """How many triangles of a flat shape are turned over."""
+    return int(np.count_nonzero(signed_areas(places, triangles) < 0.0))
 
 
 def _share(progress: Progress, done: float, share: float, part: float) -> bool:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ... import compat
 from ...errors import Refusal
 from ...model.flatten.flattening import Flat, Held
 from ...model.flatten.patches import Patches
@@ -55,10 +56,11 @@ def new(mesh: bpy.types.Mesh, name: str) -> bpy.types.MeshUVLoopLayer:
 def pinned(mesh: bpy.types.Mesh, patches: Patches) -> Held | None:
     """What is pinned in the active UV map of a mesh, by flat vertices; None where nothing is."""
     layer = mesh.uv_layers.active
-    if layer is None:
+    kept = None if layer is None else mesh.attributes.get(f".pn.{layer.name}")
+    if kept is None:
         return None
     pins = np.empty(len(mesh.loops), bool)
-    layer.pin.foreach_get("value", pins)
+    kept.data.foreach_get("value", pins)
     held = pins[patches.corners]
     if not held.any():
         return None
@@ -97,7 +99,7 @@ def _packed(
         mesh.from_pydata(np.pad(places, ((0, 0), (0, 1))).tolist(), [], faces)
         layer = mesh.uv_layers.new(name="UVMap")
         write(mesh, layer, places[patches.flat].astype(np.float32))
-        layer.pin.foreach_set("value", locked[patches.patch[patches.flat]])
+        compat.uv_pins(mesh).foreach_set("value", locked[patches.patch[patches.flat]])
         context.scene.collection.objects.link(obj)
         select_alone(context, obj)
         bpy.ops.object.mode_set(mode="EDIT")
