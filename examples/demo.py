@@ -79,7 +79,7 @@ def characters() -> list[Character]:
         Character("River Dragon", dragon.layers(), dragon.PINS, dragon.POSES, 0.060, 7.4,
                   View.around(0.0, -0.45, 6.0, 858, 470), (248, 222, 196), 2, 5.4,
                   (2, 3), ("Tail Fin", "Head"), View.around(-0.35, -0.4, 5.6, 350, 200),
-                  dragon.TRIALS, View.around(-0.2, -0.55, 6.6, 420, 300)),
+                  dragon.TRIALS, View.around(-0.2, -0.55, 6.6, 554, 300)),
     ]  # fmt: skip
 
 
@@ -111,7 +111,8 @@ def run(pictures: Path | None) -> None:
     images: dict[str, Image.Image] = {}  # for the docs
     for character in cast:
         obj = build(character)
-        compared += [compare(character, obj, trial) for trial in character.trials]
+        for trial in character.trials:
+            compared += compare(character, obj, trial)
         cells = perform(character, obj)
         rows += [cells[i : i + character.columns] for i in range(0, len(cells), character.columns)]
         fill_in(obj)
@@ -287,14 +288,15 @@ def pose_names(character: Character) -> list[str]:
     return ["Rest", *(pose.name for pose in character.poses), "Rest"]
 
 
-def compare(character: Character, obj: bpy.types.Object, trial: Trial) -> list[Cell]:
-    """What both methods make of the same drags from rest, and how distorted that is; prints the figures."""
+def compare(character: Character, obj: bpy.types.Object, trial: Trial) -> list[list[Cell]]:
+    """What each method makes of the same drags from rest, and below how distorted it is; prints figures."""
     seen = replace(character, view=character.trial_view)
     bpy.ops.planar.reset_to_rest()
     rest = puppet.shown_points(obj)
     for pin in obj.planar.pins:
         pin.enabled = pin.group in trial.pins
-    cells: list[Cell] = []
+    posed: list[Cell] = []
+    coloured: list[Cell] = []
     for method, label in comparison.METHODS.items():
         obj.planar.method = method
         bpy.ops.planar.reset_to_rest()
@@ -305,13 +307,13 @@ def compare(character: Character, obj: bpy.types.Object, trial: Trial) -> list[C
         off = np.hypot(*(points - rest).T).max() / np.hypot(*np.ptp(rest, axis=0))  # of the diagonal
         told = f"up to {100 * off:.1f} % off rest" if trial.returns else "angle distortion"
         print(f"  {trial.name}, {label}: distortion {words(measure)}" + f"; {told}" * trial.returns)
-        cells.append((label, words(measure), picture(seen, obj)))
-        cells.append((trial.name, told, comparison.coloured(seen.view, points, triangles(obj), measure)))
+        posed.append((label, words(measure), picture(seen, obj)))
+        coloured.append((trial.name, told, comparison.coloured(seen.view, points, triangles(obj), measure)))
     bpy.ops.planar.reset_to_rest()
     obj.planar.method = "HOLD"
     for pin in obj.planar.pins:
         pin.enabled = True
-    return cells
+    return [posed, coloured]
 
 
 def words(measure: planar_native.Distortion) -> str:
