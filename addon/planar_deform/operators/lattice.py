@@ -170,7 +170,13 @@ class PLANAR_OT_apply_lattice(LatticeOperator, bpy.types.Operator):
     def apply(self, context: bpy.types.Context) -> None:
         make_current(context)
         applied = applying.apply(context.object, keep_modifiers=self.keep_modifiers)
-        self.report({"INFO"}, f"A shape key on {', '.join(obj.name for obj in applied)}")
+        names = ", ".join(obj.name for obj in applied)
+        if len(context.object.planar.poses):
+            frame = context.scene.frame_current
+            text = f"A shape key on {names} as at frame {frame}: the keyed poses move them no more"
+            self.report({"WARNING"}, text)
+        else:
+            self.report({"INFO"}, f"A shape key on {names}")
 
 
 CLASSES = (PLANAR_OT_fit_lattice, PLANAR_OT_add_to_lattice, PLANAR_OT_apply_lattice)

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pins of a lattice: whose they are, what they follow, and what is refused."""
 
+from functools import partial
+
 import bpy
 import numpy as np
 import pytest
 from lattice_scenes import deform, lattice, layered, pin_at, points, seen, shown
-from support import activate, grid, make_object
+from support import activate, coordinates, evaluated, grid, make_object
 
 from planar_deform.scene.view import snapshot
 
@@ -261,6 +263,40 @@ def test_what_is_hidden_by_its_collection_is_not_posed_but_deformed(hide):
     activate(cage)
     assert seen().pin(2) is not None
     assert np.linalg.norm(shown(front, 3) - start) > 0.01
+
+
+@pytest.mark.parametrize("hide", HIDINGS)
+def test_pins_on_what_is_hidden_say_so(hide):
+    cage, back, front = layered()
+    pin_at(back, 20)
+    pin_at(front, 24)
+    empty = bpy.data.objects.new("Target", None)
+    bpy.context.scene.collection.objects.link(empty)
+    cage.planar.pins[1].follow = empty
+    hide(front)
+    activate(cage)
+    before = points(cage)
+    for pose in (partial(bpy.ops.planar.drag_pins, offset=(0.1, 0.0)), bpy.ops.planar.solve_to_targets):
+        bpy.ops.planar.select_pins(action="SELECT", pin=1)
+        with pytest.raises(RuntimeError, match="'Front' is hidden, and its pins wait until it is shown"):
+            pose()
+    assert np.array_equal(points(cage), before)
+
+
+@pytest.mark.parametrize("hide", HIDINGS)
+def test_what_is_hidden_is_applied_as_well(hide):
+    cage, back, front = layered()
+    pin_at(back, 20)
+    pin_at(front, 24)
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.3)) == {"FINISHED"}
+    before = [evaluated(obj) for obj in (back, front)]
+    hide(front)
+    activate(cage)
+    assert bpy.ops.planar.apply_lattice() == {"FINISHED"}
+    for obj, shape in zip((back, front), before, strict=True):
+        assert not obj.modifiers
+        key = obj.data.shape_keys.key_blocks["Lattice"]
+        np.testing.assert_allclose(coordinates(key.data), shape, atol=2e-6)
 
 
 def test_what_another_collection_shows_is_posed():

@@ -18,6 +18,7 @@ from ...model.posing.pins import Holder
 from ...model.posing.posing import MOST_REFINEMENTS, Posing, Sample, Solved
 from ...scene.flatten import pushing
 from ...scene.lattice.posed import begin_posing
+from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
 from ...scene.pins import pin_list, pose_holding
 from ...scene.view import snapshot
@@ -103,7 +104,10 @@ class ObjectPosing:
             if not self._settling and not self._moving:
                 raise Refusal("No pins are selected: click one first")
             if not self._settling and not moving:
-                raise Refusal("The selected pins are off or hold no vertices: enable them in the Planar tab")
+                raise Refusal(
+                    waiting(self.drawing.resolve(), self._moving)
+                    or "The selected pins are off or hold no vertices: enable them in the Planar tab"
+                )
             positions, cutout = self.drawing.positions, self.drawing.cutout
             make_poser = partial(self.drawing.poser, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]

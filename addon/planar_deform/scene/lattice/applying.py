@@ -12,16 +12,15 @@ from ..objects.flat_object import linear_of, origin_of
 from ..objects.pose_store import store_of
 from ..storage import points
 from . import reaching
-from .rig import deformed, displacements, factors_of, read_grid, read_rig, weights_at
+from .rig import deformed, displacements, factors_of, once_deformed, read_grid, weights_at
 
 
 def apply(lattice: bpy.types.Object, *, keep_modifiers: bool) -> list[bpy.types.Object]:
-    """Give every mesh that is shown in a lattice a key with what the lattice does to it at present.
+    """Give every mesh in a lattice, hidden or not, a key with what the lattice does to it at present.
 
     Its modifiers are removed, or hidden to be kept. Raises Refusal, with nothing changed.
     """
-    read_rig(lattice)
-    pairs = list(deformed(lattice))
+    pairs = once_deformed(deformed(lattice, also_hidden=True), lattice)
     for obj, modifier in pairs:
         _check(obj, modifier)
     shapes = [_deformed(lattice, obj, modifier) for obj, modifier in pairs]

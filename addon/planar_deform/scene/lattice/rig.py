@@ -8,8 +8,9 @@ the lattice has a vertex group, too). All is in the world here.
 
 from __future__ import annotations
 
+import itertools
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,6 +26,7 @@ from ..objects.flat_object import linear_of, origin_of
 from ..objects.modifiers import of_lattice
 from ..objects.pose_store import store_of
 from ..objects.triangulation import Faces, faces_of
+from ..pins import pin_list
 from ..storage import changes, points
 from ..storage.vertex_groups import members
 from . import reaching
@@ -180,24 +182,52 @@ def displacements(weights: native.LatticeWeights, of_points: Array) -> Array:
 _kept: OrderedDict[int, LatticeRig] = OrderedDict()  # by session_uid of the lattice
 
 
-def deformed(lattice: bpy.types.Object) -> Iterator[tuple[bpy.types.Object, bpy.types.Modifier]]:
+Collections = list[bpy.types.Collection]
+
+
+def deformed(
+    lattice: bpy.types.Object, *, also_hidden: bool = False
+) -> Iterator[tuple[bpy.types.Object, bpy.types.Modifier]]:
     """The objects of the view layer that a lattice deforms and that are not hidden, with the modifiers.
 
     Local views have no say in it, so that all views show the same.
     """
     layer = bpy.context.view_layer
-    shown, hidden = _collections(layer)
+    collections = _collections(layer)
     for obj in layer.objects:
         if obj.type != "MESH":
             continue
         for modifier in of_lattice(obj, lattice):
-            if not modifier.show_viewport or obj.hide_viewport or obj.hide_get():
-                continue
-            if not _is_in(hidden, obj) or _is_in(shown, obj):  # as it takes longest
+            if modifier.show_viewport and (also_hidden or not _is_hidden(obj, collections)):
                 yield obj, modifier
 
 
-Collections = list[bpy.types.Collection]
+def once_deformed(
+    pairs: Iterable[tuple[bpy.types.Object, bpy.types.Modifier]], lattice: bpy.types.Object
+) -> list[tuple[bpy.types.Object, bpy.types.Modifier]]:
+    """What a lattice deforms, see deformed(). Raises Refusal where that is nothing, or an object twice."""
+    found = list(pairs)
+    if not found:
+        raise Refusal(
+            f"'{lattice.name}' deforms no mesh that is shown: give one a Lattice modifier with this object"
+        )
+    for (one, _), (other, _) in itertools.pairwise(found):
+        if one == other:
+            raise Refusal(f"'{one.name}' has two modifiers of '{lattice.name}': remove one")
+    return found
+
+
+def is_hidden(obj: bpy.types.Object) -> bool:
+    """Whether an object takes no part in what its lattice is posed by, as it is hidden in the view layer."""
+    layer = bpy.context.view_layer
+    return layer.objects.get(obj.name) == obj and _is_hidden(obj, _collections(layer))
+
+
+def _is_hidden(obj: bpy.types.Object, collections: tuple[Collections, Collections]) -> bool:
+    if obj.hide_viewport or obj.hide_get():
+        return True
+    shown, hidden = collections
+    return _is_in(hidden, obj) and not _is_in(shown, obj)
 
 
 def _collections(layer: bpy.types.ViewLayer) -> tuple[Collections, Collections]:
@@ -214,6 +244,15 @@ def _collections(layer: bpy.types.ViewLayer) -> tuple[Collections, Collections]:
 
 def _is_in(collections: Collections, obj: bpy.types.Object) -> bool:
     return any(collection.objects.get(obj.name) == obj for collection in collections)
+
+
+def waiting(lattice: bpy.types.Object, keys: Iterable[int]) -> str | None:
+    """Why pins with these numbers cannot be posed at present: they are on hidden objects. None if none is."""
+    for key in sorted(keys):
+        pinned = pin_list.pinned_object(lattice.planar.pins[key])
+        if pinned is not None and pinned != lattice and is_hidden(pinned):
+            return f"'{pinned.name}' is hidden, and its pins wait until it is shown"
+    return None
 
 
 def rig_state(lattice: bpy.types.Object) -> RigState:
@@ -234,14 +273,8 @@ def read_rig(lattice: bpy.types.Object, *, drawn: bool = False) -> LatticeRig:
     before = _kept.pop(lattice.session_uid, None)
     old = {} if before is None else {part.session_uid: part for part in before.parts}
     parts: list[Part] = []
-    for obj, modifier in deformed(lattice):
-        if parts and parts[-1].session_uid == obj.session_uid:
-            raise Refusal(f"'{obj.name}' has two modifiers of '{lattice.name}': remove one")
+    for obj, modifier in once_deformed(deformed(lattice), lattice):
         parts.append(_read_part(lattice, grid, obj, modifier, old.get(obj.session_uid), drawn))
-    if not parts:
-        raise Refusal(
-            f"'{lattice.name}' deforms no mesh that is shown: give one a Lattice modifier with this object"
-        )
     rig = LatticeRig(grid, tuple(parts), points_at_rest)
     if (
         before is not None

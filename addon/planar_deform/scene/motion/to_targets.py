@@ -19,6 +19,7 @@ from ...model.posing.pins import Holder
 from ...model.posing.posing import start_of
 from ..lattice.posed import PosedObject, read_posed
 from ..lattice.posed_lattice import PosedLattice
+from ..lattice.rig import waiting
 from ..pins import pin_list, targets
 from ..sequence import playback, pose_edit
 from ..storage.vertex_groups import Members
@@ -42,7 +43,11 @@ def followed(
     enabled = [holder for holder in holders if holder.pin.enabled]
     going = [holder for holder in enabled if obj.planar.pins[holder.pin.key].follow is not None]
     if not going:
-        raise Refusal("No pin that is on and holds vertices has a target: choose one in the list of pins")
+        following = [key for key, pin in enumerate(obj.planar.pins) if pin.follow is not None]
+        raise Refusal(
+            waiting(obj, following)
+            or "No pin that is on and holds vertices has a target: choose one in the list of pins"
+        )
     matrix = np.array(obj.matrix_world, np.float64)
     back = np.eye(4)  # takes the world to where it was about the object when that was read
     if read_at is not None and not np.array_equal(matrix, read_at):

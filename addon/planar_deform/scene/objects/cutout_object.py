@@ -42,6 +42,8 @@ def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | No
         )
     if obj.type == "LATTICE":
         return f"'{obj.name}' is a lattice: select one of the meshes that it deforms"
+    if obj.type not in {"MESH", "FONT", "SURFACE", "META"}:
+        return f"'{obj.name}' has no faces to pin: select a flat mesh"
     if obj.type != "MESH":
         return f"'{obj.name}' is not a mesh: convert it with Object > Convert > Mesh"
     reason = data_refusal(obj, mode)

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...scene.lattice.posed import posing_refusal
+from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
 from ...scene.pins.pin_list import pinned_object
 from ...scene.pins.pose_holding import unheld
@@ -38,7 +39,9 @@ def _fault(context: bpy.types.Context, pin: bpy.types.PropertyGroup, index: int)
         return None
     if pinned == context.object:
         return "The vertex group holds no vertices of faces: assign some in Edit Mode"
-    return f"The lattice deforms no vertices of faces of '{pinned.name}' that are in the group"
+    return waiting(context.object, [index]) or (
+        f"The lattice deforms no vertices of faces of '{pinned.name}' that are in the group"
+    )
 
 
 def unreached(seen: snapshot.Snapshot) -> dict[int, float]:
