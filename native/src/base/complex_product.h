@@ -10,4 +10,7 @@ inline std::complex<double> product(std::complex<double> a, std::complex<double>
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
+/// For code that is the same for both.
+inline double product(double a, double b) { return a * b; }
+
 }  // namespace planar

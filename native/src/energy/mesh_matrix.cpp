@@ -19,7 +19,7 @@ std::vector<int> slots_of(const Mesh& mesh, const std::vector<int>& kept) {
 
 }  // namespace
 
-SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
+SparsityPattern vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
   const std::vector<int> slot = slots_of(mesh, kept);
   std::vector<std::array<int, 2>> edges;
   const auto couple = [&](int a, int b) {
@@ -31,7 +31,7 @@ SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
 }
 
 MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : slot_(slots_of(mesh, kept)) {
-  const SymmetricMatrix graph = vertex_graph(mesh, kept);
+  const SparsityPattern graph = vertex_graph(mesh, kept);
   matrix_ = doubled_pattern(graph);
   for (const int v : kept) kept_part_.push_back(mesh.part[at(v)]);
   matrix_.value.assign(matrix_.row.size() + spare_room, 0.0);

@@ -11,7 +11,7 @@ namespace planar {
 
 /// The graph over `kept` vertices (numbered by their index in it, their slot) that a MeshMatrix has blocks
 /// on: the mesh's edges and the missing sides of its braces.
-SymmetricMatrix vertex_graph(const Mesh& mesh, const std::vector<int>& kept);
+SparsityPattern vertex_graph(const Mesh& mesh, const std::vector<int>& kept);
 
 /// A symmetric matrix of 2×2 blocks over some vertices of a mesh, to be assembled triangle by triangle; the
 /// others count as fixed. Vertex kept[i] has unknowns 2i (x) and 2i+1 (y). The places of a triangle's blocks

@@ -61,7 +61,7 @@ class PointMatrix {
 
   int unknowns_;
   std::vector<int> place_, point_;
-  SymmetricMatrix pattern_;  ///< of the points, by place
+  SparsityPattern pattern_;  ///< of the points, by place
   SymmetricMatrix matrix_;
   std::unique_ptr<SparseSolver> solver_;
   RightSides sides_;

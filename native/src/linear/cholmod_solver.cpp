@@ -17,7 +17,7 @@ namespace planar {
 namespace {
 
 /// A view; CHOLMOD does not write to it, but its types are not const.
-cholmod_sparse view(const SymmetricMatrix& pattern) {
+cholmod_sparse view(const SparsityPattern& pattern) {
   cholmod_sparse result{};
   result.nrow = result.ncol = static_cast<std::size_t>(pattern.size);
   result.nzmax = pattern.row.size();
@@ -33,7 +33,8 @@ cholmod_sparse view(const SymmetricMatrix& pattern) {
 }
 
 /// CHOLMOD orders and analyses; the numbers are SupernodalFactor's.
-class CholmodSolver final : public SparseSolver {
+template <class Solver>
+class CholmodSolver : public Solver {
  public:
   CholmodSolver() {
     if (!cholmod_start(&common_)) throw SolveError("CHOLMOD cannot start");
@@ -57,7 +58,7 @@ class CholmodSolver final : public SparseSolver {
   CholmodSolver(const CholmodSolver&) = delete;
   CholmodSolver& operator=(const CholmodSolver&) = delete;
 
-  std::vector<int> fill_reducing_order(const SymmetricMatrix& pattern) override {
+  std::vector<int> fill_reducing_order(const SparsityPattern& pattern) override {
     common_.method[0].ordering = CHOLMOD_AMD;
     common_.postorder = 1;
     cholmod_sparse a = view(pattern);
@@ -69,7 +70,7 @@ class CholmodSolver final : public SparseSolver {
     return result;
   }
 
-  void analyze(const SymmetricMatrix& pattern) override {
+  void analyze(const SparsityPattern& pattern) override {
     common_.method[0].ordering = CHOLMOD_NATURAL;
     common_.postorder = 0;
     cholmod_sparse a = view(pattern);
@@ -90,16 +91,17 @@ class CholmodSolver final : public SparseSolver {
     }
   }
 
-  void factorize(const SymmetricMatrix& matrix) override {
+  void factorize(const typename Solver::Matrix& matrix) override {
     if (!factor_->factorize(matrix)) throw SolveError("the system is not positive definite");
   }
 
-  void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) override {
+  void solve(const typename Solver::Vector& b, typename Solver::Vector& x) override {
     if (&x != &b) x = b;
     factor_->solve(x);
   }
 
-  void solve(RightSides& x) const override { factor_->solve(x); }
+ protected:
+  const SupernodalFactor<typename Solver::Number>& factor() const { return *factor_; }
 
  private:
   [[noreturn]] void fail() const {
@@ -114,11 +116,21 @@ class CholmodSolver final : public SparseSolver {
   }
 
   cholmod_common common_{};
-  std::optional<SupernodalFactor> factor_;
+  std::optional<SupernodalFactor<typename Solver::Number>> factor_;
+};
+
+class RealCholmodSolver final : public CholmodSolver<SparseSolver> {
+ public:
+  using CholmodSolver::solve;
+  void solve(RightSides& x) const override { factor().solve(x); }
 };
 
 }  // namespace
 
-std::unique_ptr<SparseSolver> make_cholmod_solver() { return std::make_unique<CholmodSolver>(); }
+std::unique_ptr<SparseSolver> make_cholmod_solver() { return std::make_unique<RealCholmodSolver>(); }
+
+std::unique_ptr<HermitianSolver> make_cholmod_hermitian_solver() {
+  return std::make_unique<CholmodSolver<HermitianSolver>>();
+}
 
 }  // namespace planar

@@ -7,5 +7,6 @@ namespace planar {
 
 /// \throw SolveError CHOLMOD cannot start
 std::unique_ptr<SparseSolver> make_cholmod_solver();
+std::unique_ptr<HermitianSolver> make_cholmod_hermitian_solver();
 
 }  // namespace planar

@@ -6,5 +6,6 @@
 namespace planar {
 
 std::unique_ptr<SparseSolver> make_eigen_solver();
+std::unique_ptr<HermitianSolver> make_eigen_hermitian_solver();
 
 }  // namespace planar

@@ -12,18 +12,19 @@
 
 namespace planar {
 
-int SymmetricMatrix::find(int i, int column) const {
+int SparsityPattern::find(int i, int column) const {
   const auto first = row.begin() + column_start[at(column)], end = row.begin() + column_start[at(column) + 1];
   return static_cast<int>(std::lower_bound(first, end, i) - row.begin());
 }
 
-Eigen::VectorXd SymmetricMatrix::times(const Eigen::VectorXd& x) const {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(size);
+template <class Number>
+Eigen::VectorX<Number> SelfAdjointMatrix<Number>::times(const Eigen::VectorX<Number>& x) const {
+  Eigen::VectorX<Number> result = Eigen::VectorX<Number>::Zero(size);
   for (int j = 0; j < size; ++j) {
     int p = column_start[at(j)];
-    double sum = value[at(p)] * x[j];
+    Number sum = value[at(p)] * x[j];
     for (++p; p < column_start[at(j) + 1]; ++p) {
-      sum += value[at(p)] * x[row[at(p)]];
+      sum += Eigen::numext::conj(value[at(p)]) * x[row[at(p)]];
       result[row[at(p)]] += value[at(p)] * x[j];
     }
     result[j] += sum;
@@ -31,11 +32,14 @@ Eigen::VectorXd SymmetricMatrix::times(const Eigen::VectorXd& x) const {
   return result;
 }
 
-SymmetricMatrix graph_pattern(int size, const std::vector<std::array<int, 2>>& edges) {
+template struct SelfAdjointMatrix<double>;
+template struct SelfAdjointMatrix<std::complex<double>>;
+
+SparsityPattern graph_pattern(int size, const std::vector<std::array<int, 2>>& edges) {
   std::vector<std::vector<int>> column(at(size));
   for (int i = 0; i < size; ++i) column[at(i)].push_back(i);
   for (const auto& [a, b] : edges) column[at(std::min(a, b))].push_back(std::max(a, b));
-  SymmetricMatrix pattern;
+  SparsityPattern pattern;
   pattern.size = size;
   pattern.column_start.push_back(0);
   for (auto& rows : column) {
@@ -47,8 +51,8 @@ SymmetricMatrix graph_pattern(int size, const std::vector<std::array<int, 2>>& e
   return pattern;
 }
 
-SymmetricMatrix doubled_pattern(const SymmetricMatrix& graph) {
-  SymmetricMatrix pattern;
+SparsityPattern doubled_pattern(const SparsityPattern& graph) {
+  SparsityPattern pattern;
   pattern.size = 2 * graph.size;
   pattern.column_start.push_back(0);
   for (int j = 0; j < graph.size; ++j) {
@@ -72,13 +76,30 @@ std::unique_ptr<SparseSolver> SparseSolver::create(Backend backend) {
   return backend == Backend::cholmod ? make_cholmod_solver() : make_eigen_solver();
 }
 
+std::unique_ptr<HermitianSolver> HermitianSolver::create(Backend backend) {
+  return backend == Backend::cholmod ? make_cholmod_hermitian_solver() : make_eigen_hermitian_solver();
+}
+
 #else
 
 Backend default_backend() { return Backend::eigen; }
 
-std::unique_ptr<SparseSolver> SparseSolver::create(Backend backend) {
+namespace {
+
+void need_eigen(Backend backend) {
   if (backend == Backend::cholmod) throw std::invalid_argument("this build has no CHOLMOD");
+}
+
+}  // namespace
+
+std::unique_ptr<SparseSolver> SparseSolver::create(Backend backend) {
+  need_eigen(backend);
   return make_eigen_solver();
+}
+
+std::unique_ptr<HermitianSolver> HermitianSolver::create(Backend backend) {
+  need_eigen(backend);
+  return make_eigen_hermitian_solver();
 }
 
 #endif

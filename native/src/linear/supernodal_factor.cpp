@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <utility>
 
+#include "base/complex_product.h"
 #include "base/index.h"
 #include "linear/block_product.h"
 
 namespace planar {
 
 namespace {
+
+using Complex = std::complex<double>;
 
 /// In eight sums: one would wait for each addition.
 double dot(const double* a, const double* b, int count) {
@@ -25,9 +29,56 @@ double dot(const double* a, const double* b, int count) {
   return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])) + rest;
 }
 
+/// Of conj(a) and b.
+Complex dot(const Complex* a, const Complex* b, int count) {
+  const auto* x = reinterpret_cast<const double*>(a);
+  const auto* y = reinterpret_cast<const double*>(b);
+  // A term's parts are x0 y0 + x1 y1 and x0 y1 - x1 y0.
+  std::array<double, 4> straight{}, crossed{};
+  int i = 0;
+  for (; i + 2 <= count; i += 2, x += 4, y += 4) {
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      straight[lane] += x[lane] * y[lane];
+      crossed[lane] += x[lane] * y[lane ^ 1];
+    }
+  }
+  const Complex rest = i < count ? product(std::conj(a[i]), b[i]) : 0.0;
+  return Complex((straight[0] + straight[1]) + (straight[2] + straight[3]),
+                 (crossed[0] - crossed[1]) + (crossed[2] - crossed[3])) +
+         rest;
+}
+
+/// The lower part of A Bᴴ, with m×k A and B its first n rows. With complex numbers as rows of doubles,
+/// lower_product makes all products of their parts, half as many as for the real matrices of twice the size.
+template <class Number>
+class LowerProduct {
+ public:
+  LowerProduct(const Number* a, int m, int n, int k, std::ptrdiff_t stride, double* room)
+      : value_(room), stride_(product_stride(parts * m)) {
+    lower_product(reinterpret_cast<const double*>(a), parts * m, parts * n, k, parts * stride, room);
+  }
+
+  /// i ≥ j; of the diagonal the real part alone.
+  Number operator()(int i, int j) const {
+    const double* place = value_ + parts * (i + j * stride_);
+    if constexpr (parts == 1) {
+      return *place;
+    } else {
+      return {place[0] + place[stride_ + 1], place[1] - place[stride_]};
+    }
+  }
+
+ private:
+  static constexpr int parts = sizeof(Number) / sizeof(double);
+
+  const double* value_;
+  std::ptrdiff_t stride_;
+};
+
 }  // namespace
 
-SupernodalFactor::SupernodalFactor(Supernodes supernodes) : nodes_(std::move(supernodes)) {
+template <class Number>
+SupernodalFactor<Number>::SupernodalFactor(Supernodes supernodes) : nodes_(std::move(supernodes)) {
   const int count = static_cast<int>(nodes_.first.size()) - 1;
   std::size_t total = 0;
   int widest = 0, highest = 0;
@@ -39,7 +90,10 @@ SupernodalFactor::SupernodalFactor(Supernodes supernodes) : nodes_(std::move(sup
     owner_.insert(owner_.end(), at(width(s)), s);
   }
   value_.assign(total + tile_overhang, 0.0);
-  work_.assign(static_cast<std::size_t>(product_stride(highest)) * at(widest + tile_columns), 0.0);
+  constexpr int parts = sizeof(Number) / sizeof(double);
+  work_.assign(
+      static_cast<std::size_t>(product_stride(parts * highest)) * at(parts * (widest + tile_columns)), 0.0);
+  rows_of_x_.resize(highest);
   place_.resize(owner_.size());
   relative_.resize(at(highest));
   waiting_.resize(start_.size());
@@ -47,7 +101,8 @@ SupernodalFactor::SupernodalFactor(Supernodes supernodes) : nodes_(std::move(sup
   passed_.resize(start_.size());
 }
 
-bool SupernodalFactor::factorize(const SymmetricMatrix& matrix) {
+template <class Number>
+bool SupernodalFactor<Number>::factorize(const SelfAdjointMatrix<Number>& matrix) {
   std::fill(waiting_.begin(), waiting_.end(), -1);
   for (int s = 0; s < n_blocks(); ++s) {
     gather(s, matrix);
@@ -64,16 +119,18 @@ bool SupernodalFactor::factorize(const SymmetricMatrix& matrix) {
 }
 
 /// Puts a finished block to those that change the block of its next row.
-void SupernodalFactor::queue(int s) {
+template <class Number>
+void SupernodalFactor<Number>::queue(int s) {
   if (passed_[at(s)] == height(s)) return;
   const int later = owner_[at(rows(s)[passed_[at(s)]])];
   next_waiting_[at(s)] = std::exchange(waiting_[at(later)], s);
 }
 
 /// Fills block s with the matrix, and place_ for it.
-void SupernodalFactor::gather(int s, const SymmetricMatrix& matrix) {
+template <class Number>
+void SupernodalFactor<Number>::gather(int s, const SelfAdjointMatrix<Number>& matrix) {
   for (int i = 0; i < height(s); ++i) place_[at(rows(s)[i])] = i;
-  double* column = block(s);
+  Number* column = block(s);
   std::fill_n(column, at(height(s)) * at(width(s)), 0.0);
   for (int j = nodes_.first[at(s)]; j < nodes_.first[at(s) + 1]; ++j, column += height(s)) {
     for (int p = matrix.column_start[at(j)]; p < matrix.column_start[at(j) + 1]; ++p) {
@@ -83,73 +140,74 @@ void SupernodalFactor::gather(int s, const SymmetricMatrix& matrix) {
 }
 
 /// Subtracts from block s what a finished block has in its columns, and passes these rows.
-void SupernodalFactor::subtract(int from, int s) {
+template <class Number>
+void SupernodalFactor<Number>::subtract(int from, int s) {
   const int passed = passed_[at(from)], left = height(from) - passed;
   const int* row = rows(from) + passed;
   const int columns = static_cast<int>(std::lower_bound(row, row + left, nodes_.first[at(s) + 1]) - row);
-  lower_product(block(from) + passed, left, columns, width(from), height(from), work_.data());
+  const LowerProduct<Number> product(block(from) + passed, left, columns, width(from), height(from),
+                                     work_.data());
   for (int i = 0; i < left; ++i) relative_[at(i)] = place_[at(row[i])];
-  const double* product = work_.data();
-  for (int j = 0; j < columns; ++j, product += product_stride(left)) {
-    double* column = block(s) + static_cast<std::ptrdiff_t>(relative_[at(j)]) * height(s);
-    for (int i = j; i < left; ++i) column[relative_[at(i)]] -= product[i];
+  for (int j = 0; j < columns; ++j) {
+    Number* column = block(s) + static_cast<std::ptrdiff_t>(relative_[at(j)]) * height(s);
+    for (int i = j; i < left; ++i) column[relative_[at(i)]] -= product(i, j);
   }
   passed_[at(from)] += columns;
 }
 
 /// Dense Cholesky of a block, a few columns at a time; false if it is not positive definite.
-bool SupernodalFactor::factor_block(int s) {
+template <class Number>
+bool SupernodalFactor<Number>::factor_block(int s) {
   const std::ptrdiff_t stride = height(s);
   for (int first = 0; first < width(s); first += tile_columns) {
     const int count = std::min(tile_columns, width(s) - first), left = height(s) - first;
-    double* panel = block(s) + first * (stride + 1);
-    lower_product(block(s) + first, left, count, first, stride, work_.data());
+    Number* panel = block(s) + first * (stride + 1);
+    const LowerProduct<Number> earlier_columns(block(s) + first, left, count, first, stride, work_.data());
     for (int j = 0; j < count; ++j) {
-      double* column = panel + j * stride;
-      const double* product = work_.data() + j * product_stride(left);
-      for (int i = j; i < left; ++i) column[i] -= product[i];
+      Number* column = panel + j * stride;
+      for (int i = j; i < left; ++i) column[i] -= earlier_columns(i, j);
       for (int e = 0; e < j; ++e) {
-        const double* earlier = panel + e * stride;
-        const double factor = earlier[j];
-        for (int i = j; i < left; ++i) column[i] -= factor * earlier[i];
+        const Number* earlier = panel + e * stride;
+        const Number factor = Eigen::numext::conj(earlier[j]);
+        for (int i = j; i < left; ++i) column[i] -= product(factor, earlier[i]);
       }
-      if (!(column[j] > 0.0)) return false;
-      const double scale = 1.0 / std::sqrt(column[j]);
+      const double pivot = std::real(column[j]);
+      if (!(pivot > 0.0)) return false;
+      const double scale = 1.0 / std::sqrt(pivot);
+      column[j] = pivot;
       for (int i = j; i < left; ++i) column[i] *= scale;
     }
   }
   return true;
 }
 
-void SupernodalFactor::solve(Eigen::VectorXd& x) {
-  double* y = work_.data();  // x at the rows of a block
+template <class Number>
+void SupernodalFactor<Number>::solve(Vector& x) {
+  Number* y = rows_of_x_.data();
   for (int s = 0; s < n_blocks(); ++s) {
-    double* own = x.data() + nodes_.first[at(s)];
-    if (std::all_of(own, own + width(s), [](double value) { return value == 0.0; })) continue;
+    Number* own = x.data() + nodes_.first[at(s)];
+    if (std::all_of(own, own + width(s), [](Number value) { return value == 0.0; })) continue;
     std::copy_n(own, width(s), y);
     std::fill(y + width(s), y + height(s), 0.0);
-    const double* column = block(s);
+    const Number* column = block(s);
     for (int j = 0; j < width(s); ++j, column += height(s)) {
-      own[j] = y[j] /= column[j];
-      for (int i = j + 1; i < height(s); ++i) y[i] -= column[i] * own[j];
+      own[j] = y[j] /= std::real(column[j]);
+      for (int i = j + 1; i < height(s); ++i) y[i] -= product(column[i], own[j]);
     }
     for (int i = width(s); i < height(s); ++i) x[rows(s)[i]] += y[i];
   }
   for (int s = n_blocks() - 1; s >= 0; --s) {
-    double* own = x.data() + nodes_.first[at(s)];
+    Number* own = x.data() + nodes_.first[at(s)];
     for (int i = 0; i < height(s); ++i) y[i] = x[rows(s)[i]];
-    const double* column = block(s) + static_cast<std::ptrdiff_t>(width(s)) * height(s);
+    const Number* column = block(s) + static_cast<std::ptrdiff_t>(width(s)) * height(s);
     for (int j = width(s) - 1; j >= 0; --j) {
       column -= height(s);
-      own[j] = y[j] = (y[j] - dot(column + j + 1, y + j + 1, height(s) - j - 1)) / column[j];
+      own[j] = y[j] = (y[j] - dot(column + j + 1, y + j + 1, height(s) - j - 1)) / std::real(column[j]);
     }
   }
 }
 
-void SupernodalFactor::solve(RightSides& x) const {
-  const int columns = static_cast<int>(x.cols());
-  for (int s = 0; s < n_blocks(); ++s) solve_forward(finished(s), x.data(), columns);
-  for (int s = n_blocks() - 1; s >= 0; --s) solve_backward(finished(s), x.data(), columns);
-}
+template class SupernodalFactor<double>;
+template class SupernodalFactor<Complex>;
 
 }  // namespace planar

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <concepts>
 #include <cstddef>
 #include <vector>
 
@@ -20,45 +21,56 @@ struct Supernodes {
   std::vector<int> row;
 };
 
-/// The numbers of a sparse LLᵀ, left-looking by blocks [Ng93], in the calling thread. Takes 0.2
-/// to 0.55 of the time of CHOLMOD's own with OpenBLAS 0.3.21 on meshes of 1k to 100k vertices (0.3 to 1.3 on
-/// processors without AVX2): the blocks of a mesh in the plane are small, so that BLAS calls and OpenMP
-/// regions cost more than the arithmetic, and two threads that factor wait for each other in both.
+/// The numbers of a sparse LLᴴ, of doubles or complex ones, left-looking by blocks [Ng93], in the calling
+/// thread. Takes 0.2 to 0.55 of the time of CHOLMOD's own with OpenBLAS 0.3.21 on meshes of 1k to 100k
+/// vertices (0.3 to 1.3 on processors without AVX2): the blocks of a mesh in the plane are small, so that
+/// BLAS calls and OpenMP regions cost more than the arithmetic, and two threads that factor wait for each
+/// other in both.
+template <class Number>
 class SupernodalFactor {
  public:
+  using Vector = Eigen::VectorX<Number>;
+
   explicit SupernodalFactor(Supernodes supernodes);
 
   /// False if the matrix, whose pattern the supernodes must cover, is not positive definite.
-  bool factorize(const SymmetricMatrix& matrix);
+  bool factorize(const SelfAdjointMatrix<Number>& matrix);
 
   /// x ← A⁻¹ x. Blocks before which there is nothing in x are passed over, which saves most of the first of
   /// two sweeps for right sides of a few handles.
-  void solve(Eigen::VectorXd& x);
+  void solve(Vector& x);
 
   /// The same for a right side a column; in several threads at once if need be.
-  void solve(RightSides& x) const;
+  void solve(RightSides& x) const requires std::same_as<Number, double> {
+    const int columns = static_cast<int>(x.cols());
+    for (int s = 0; s < n_blocks(); ++s) solve_forward(finished(s), x.data(), columns);
+    for (int s = n_blocks() - 1; s >= 0; --s) solve_backward(finished(s), x.data(), columns);
+  }
 
  private:
-  void gather(int s, const SymmetricMatrix& matrix);
+  void gather(int s, const SelfAdjointMatrix<Number>& matrix);
   void subtract(int from, int s);
   bool factor_block(int s);
   void queue(int s);
 
-  FactorBlock finished(int s) const { return {value_.data() + start_[at(s)], width(s), height(s), rows(s)}; }
+  FactorBlock finished(int s) const requires std::same_as<Number, double> {
+    return {value_.data() + start_[at(s)], width(s), height(s), rows(s)};
+  }
 
   int n_blocks() const { return static_cast<int>(start_.size()); }
   int width(int s) const { return nodes_.first[at(s) + 1] - nodes_.first[at(s)]; }
   int height(int s) const { return nodes_.row_start[at(s) + 1] - nodes_.row_start[at(s)]; }
   const int* rows(int s) const { return nodes_.row.data() + nodes_.row_start[at(s)]; }
-  double* block(int s) { return value_.data() + start_[at(s)]; }
+  Number* block(int s) { return value_.data() + start_[at(s)]; }
 
   Supernodes nodes_;
   std::vector<std::size_t> start_;  ///< of each block's values
   std::vector<int> owner_;          ///< the block of each column
-  std::vector<double> value_;       ///< by columns
-  std::vector<double> work_;
-  std::vector<int> place_;     ///< of a row in the block under way
-  std::vector<int> relative_;  ///< places of the rows of another block
+  std::vector<Number> value_;       ///< by columns
+  std::vector<double> work_;        ///< products
+  Vector rows_of_x_;                ///< x at the rows of a block
+  std::vector<int> place_;          ///< of a row in the block under way
+  std::vector<int> relative_;       ///< places of the rows of another block
   /// Finished blocks wait in a list at the block that they change next; passed_ counts the rows that belong
   /// to blocks before that.
   std::vector<int> waiting_, next_waiting_, passed_;

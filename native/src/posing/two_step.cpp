@@ -33,41 +33,32 @@ Complex turned(const Complex& rest, const Complex& wanted) {
 
 }  // namespace
 
-TwoStep::System::System(int n_vertices, const std::vector<std::array<int, 2>>& edges, int n_unknowns)
-    : solver(SparseSolver::create(default_backend())), slot(at(n_vertices)) {
+template <class Solver>
+TwoStep::System<Solver>::System(int n_vertices, const std::vector<std::array<int, 2>>& edges)
+    : solver(Solver::create(default_backend())), slot(at(n_vertices)) {
   const std::vector<int> order = solver->fill_reducing_order(graph_pattern(n_vertices, edges));
   for (std::size_t k = 0; k < order.size(); ++k) slot[at(order[k])] = static_cast<int>(k);
   std::vector<std::array<int, 2>> ordered;
   ordered.reserve(edges.size());
   for (const auto& [a, b] : edges) ordered.push_back({slot[at(a)], slot[at(b)]});
   matrix = graph_pattern(n_vertices, ordered);
-  if (n_unknowns == 2) matrix = doubled_pattern(matrix);
   matrix.value.assign(matrix.row.size(), 0.0);
   solver->analyze(matrix);
 }
 
-/// Adds to the entry in row a, column b of a Hermitian matrix: a + ib as [a -b; b a] if a vertex has two
-/// unknowns.
-void TwoStep::System::add(int a, int b, Complex value) {
-  int i = slot[at(a)], j = slot[at(b)];
-  if (i < j) {
-    std::swap(i, j);
-    value = std::conj(value);
+template <class Solver>
+void TwoStep::System<Solver>::add(int a, int b, Number value) {
+  const int i = slot[at(a)], j = slot[at(b)];
+  if (i >= j) {
+    matrix.value[at(matrix.find(i, j))] += value;
+  } else {
+    matrix.value[at(matrix.find(j, i))] += Eigen::numext::conj(value);
   }
-  if (unknowns() == 1) {
-    matrix.value[at(matrix.find(i, j))] += value.real();
-    return;
-  }
-  const int place = matrix.find(2 * i, 2 * j), place_y = matrix.find(2 * i + 1, 2 * j + 1);
-  matrix.value[at(place)] += value.real();
-  matrix.value[at(place_y)] += value.real();
-  if (i == j) return;
-  matrix.value[at(place + 1)] += value.imag();
-  matrix.value[at(place_y - 1)] -= value.imag();
 }
 
-void TwoStep::System::factor(const std::vector<Pin>& pins, const std::vector<char>& active,
-                             const std::vector<int>& part) {
+template <class Solver>
+void TwoStep::System<Solver>::factor(const std::vector<Pin>& pins, const std::vector<char>& active,
+                                     const std::vector<int>& part) {
   matrix.value = without_pins;
   for (std::size_t v = 0; v < part.size(); ++v) {
     const bool solved = part[v] >= 0 && active[at(part[v])];
@@ -83,15 +74,16 @@ void TwoStep::System::factor(const std::vector<Pin>& pins, const std::vector<cha
   solver->factorize(matrix);
 }
 
-TwoStep::System TwoStep::make_similarity(const Mesh& mesh, const std::vector<EdgeNeighbourhood>& hoods,
-                                         const Eigen::VectorXd& weight) {
+TwoStep::System<HermitianSolver> TwoStep::make_similarity(const Mesh& mesh,
+                                                          const std::vector<EdgeNeighbourhood>& hoods,
+                                                          const Eigen::VectorXd& weight) {
   std::vector<std::array<int, 2>> coupled;
   for (const EdgeNeighbourhood& hood : hoods) {
     for (std::size_t m = 0; m < hood.n_vertices; ++m) {
       for (std::size_t n = 0; n < m; ++n) coupled.push_back({hood.vertex[m], hood.vertex[n]});
     }
   }
-  System system(mesh.n_vertices, coupled, 2);
+  System<HermitianSolver> system(mesh.n_vertices, coupled);
   for (std::size_t k = 0; k < hoods.size(); ++k) {
     // What is left of edge k is Σ left v.
     std::array<Complex, 4> left{-1.0, 1.0, 0.0, 0.0};
@@ -107,12 +99,13 @@ TwoStep::System TwoStep::make_similarity(const Mesh& mesh, const std::vector<Edg
   return system;
 }
 
-TwoStep::System TwoStep::make_scale(const Mesh& mesh, const std::vector<EdgeNeighbourhood>& hoods,
-                                    const Eigen::VectorXd& weight) {
+TwoStep::System<SparseSolver> TwoStep::make_scale(const Mesh& mesh,
+                                                  const std::vector<EdgeNeighbourhood>& hoods,
+                                                  const Eigen::VectorXd& weight) {
   std::vector<std::array<int, 2>> edges;
   edges.reserve(hoods.size());
   for (const EdgeNeighbourhood& hood : hoods) edges.push_back({hood.vertex[0], hood.vertex[1]});
-  System system(mesh.n_vertices, edges, 1);
+  System<SparseSolver> system(mesh.n_vertices, edges);
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const double w = weight[static_cast<Eigen::Index>(k)];
     system.add(edges[k][0], edges[k][0], w);
@@ -130,7 +123,7 @@ TwoStep::TwoStep(const Mesh& mesh, const RestOf& rest_of, const Eigen::VectorXd&
       hoods_(edge_neighbourhoods(mesh, rest_of)),
       similarity_(make_similarity(mesh, hoods_, weight_)),
       scale_(make_scale(mesh, hoods_, weight_)),
-      unknown_(2 * mesh.n_vertices),
+      unknown_(mesh.n_vertices),
       right_(mesh.n_vertices, 2),
       wanted_(hoods_.size()) {
   std::vector<int> count(n_edges_);
@@ -171,15 +164,13 @@ void TwoStep::similar(const std::vector<Pin>& pins, std::vector<Complex>& x) {
   unknown_.setZero();
   for (const Pin& pin : pins) {
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
-      unknown_.segment<2>(2 * similarity_.slot[at(pin.vertex[c])]) +=
-          pin.strength * pin.weight[c] * pin.position.transpose();
+      unknown_[similarity_.slot[at(pin.vertex[c])]] +=
+          pin.strength * pin.weight[c] * complex_point(pin.position);
     }
   }
   similarity_.solver->solve(unknown_, unknown_);
   x.resize(part_.size());
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    x[v] = {unknown_[2 * similarity_.slot[v]], unknown_[2 * similarity_.slot[v] + 1]};
-  }
+  for (std::size_t v = 0; v < x.size(); ++v) x[v] = unknown_[similarity_.slot[v]];
 }
 
 void TwoStep::adjust_scale(const std::vector<Pin>& pins, std::vector<Complex>& x) {

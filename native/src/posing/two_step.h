@@ -23,7 +23,7 @@ namespace planar {
 /// energy; multiplied to the rows as printed [ARAP09, section 6] it would be there squared.
 ///
 /// T e is complex-linear in v, so that the system of the first step is one Hermitian matrix of a row a
-/// vertex; the solver takes it as a real one of two.
+/// vertex.
 ///
 /// Where pieces of the mesh meet in one vertex alone, a neighbourhood of weight 1e-3 takes the place of the
 /// missing triangle: nothing else says how they turn.
@@ -56,16 +56,19 @@ class TwoStep {
 
  private:
   /// A matrix over the vertices in an order that keeps its factor sparse.
+  template <class Solver>
   struct System {
-    std::unique_ptr<SparseSolver> solver;
-    std::vector<int> slot;  ///< of a vertex
-    SymmetricMatrix matrix;
-    std::vector<double> without_pins;  ///< its values
+    using Number = typename Solver::Number;
 
-    System(int n_vertices, const std::vector<std::array<int, 2>>& edges, int unknowns);
-    void add(int a, int b, std::complex<double> value);
+    std::unique_ptr<Solver> solver;
+    std::vector<int> slot;  ///< of a vertex
+    typename Solver::Matrix matrix;
+    std::vector<Number> without_pins;  ///< its values
+
+    System(int n_vertices, const std::vector<std::array<int, 2>>& edges);
+    /// Adds to the entry in row a, column b.
+    void add(int a, int b, Number value);
     void factor(const std::vector<Pin>& pins, const std::vector<char>& active, const std::vector<int>& part);
-    int unknowns() const { return matrix.size / static_cast<int>(slot.size()); }  ///< of a vertex
   };
 
   /// A triangle's sides as edges, where they are at rest, and their share of the edge's weight.
@@ -75,10 +78,11 @@ class TwoStep {
     std::array<double, 3> weight;
   };
 
-  static System make_similarity(const Mesh& mesh, const std::vector<EdgeNeighbourhood>& hoods,
-                                const Eigen::VectorXd& weight);
-  static System make_scale(const Mesh& mesh, const std::vector<EdgeNeighbourhood>& hoods,
-                           const Eigen::VectorXd& weight);
+  static System<HermitianSolver> make_similarity(const Mesh& mesh,
+                                                 const std::vector<EdgeNeighbourhood>& hoods,
+                                                 const Eigen::VectorXd& weight);
+  static System<SparseSolver> make_scale(const Mesh& mesh, const std::vector<EdgeNeighbourhood>& hoods,
+                                         const Eigen::VectorXd& weight);
   void solve_for_edges(const std::vector<Pin>& pins, std::vector<std::complex<double>>& x);
 
   std::size_t n_edges_;  ///< of the mesh; further neighbourhoods are braces'
@@ -86,8 +90,9 @@ class TwoStep {
   Eigen::VectorXd weight_;  ///< of the neighbourhoods
   std::vector<EdgeNeighbourhood> hoods_;
   std::vector<Triangle> triangles_;
-  System similarity_, scale_;
-  Eigen::VectorXd unknown_;
+  System<HermitianSolver> similarity_;
+  System<SparseSolver> scale_;
+  Eigen::VectorXcd unknown_;
   RightSides right_;
   std::vector<std::complex<double>> wanted_;  ///< weight times what each edge should be
   Worker worker_;                             ///< last, so that its thread ends before what it uses

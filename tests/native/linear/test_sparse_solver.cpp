@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numeric>
 #include <thread>
@@ -19,8 +20,9 @@
 namespace planar::testing {
 namespace {
 
-SymmetricMatrix lower(const Eigen::MatrixXd& dense) {
-  SymmetricMatrix result;
+template <class Number>
+SelfAdjointMatrix<Number> lower(const Eigen::MatrixX<Number>& dense) {
+  SelfAdjointMatrix<Number> result;
   result.size = static_cast<int>(dense.rows());
   result.column_start.push_back(0);
   for (int j = 0; j < result.size; ++j) {
@@ -38,6 +40,21 @@ Eigen::MatrixXd positive_matrix(int side) {
   const Shape shape = grid(side);
   return dense_k(shape.vertices, shape.triangles) +
          0.01 * Eigen::MatrixXd::Identity(2 * side * side, 2 * side * side);
+}
+
+/// The same couplings of vertices, each with a turn of its own.
+Eigen::MatrixXcd hermitian_matrix(int side) {
+  const int n = 2 * side * side;
+  Eigen::MatrixXcd result = positive_matrix(side).cast<std::complex<double>>();
+  for (int j = 0; j < n; ++j) {
+    for (int i = j + 1; i < n; ++i) {
+      result(i, j) *= std::polar(0.9, std::sin(3.0 * i + j));
+      result(j, i) = std::conj(result(i, j));
+    }
+  }
+  // Turns can make it indefinite: a dominant diagonal cannot be.
+  for (int i = 0; i < n; ++i) result(i, i) = 0.01 + result.row(i).cwiseAbs().sum() - std::abs(result(i, i));
+  return result;
 }
 
 class SparseSolverTest : public ::testing::TestWithParam<Backend> {};
@@ -65,7 +82,7 @@ TEST_P(SparseSolverTest, FactorsNewValuesOfTheSamePattern) {
   const auto solver = SparseSolver::create(GetParam());
   solver->analyze(lower(dense));
   solver->factorize(lower(dense));
-  solver->factorize(lower(4.0 * dense));
+  solver->factorize(lower<double>(4.0 * dense));
   Eigen::VectorXd x;
   solver->solve(dense * Eigen::VectorXd::Ones(72), x);
   EXPECT_LT((x - Eigen::VectorXd::Constant(72, 0.25)).lpNorm<Eigen::Infinity>(), 1e-11);
@@ -214,6 +231,59 @@ TEST_P(SparseSolverTest, LargeSystemsAndRightSidesOfAFewNumbers) {
   }
 }
 
+TEST_P(SparseSolverTest, HermitianSystemsAreSolvedLikeByADenseFactorization) {
+  for (const int side : {1, 2, 5, 14}) {
+    const Eigen::MatrixXcd dense = hermitian_matrix(side);
+    const HermitianMatrix matrix = lower(dense);
+    const auto solver = HermitianSolver::create(GetParam());
+    solver->analyze(matrix);
+    const Eigen::VectorXcd expected = Eigen::VectorXcd::Random(dense.rows());
+    Eigen::VectorXcd right, x;
+    for (const double scale : {3.0, 1.0}) {
+      HermitianMatrix scaled = matrix;
+      for (auto& value : scaled.value) value *= scale;
+      solver->factorize(scaled);
+      right = scale * (dense * expected);
+      solver->solve(right, x);
+      // Condition number up to 1e4, a few units in the last place: 1e-11.
+      EXPECT_LT((x - expected).lpNorm<Eigen::Infinity>(), 1e-11) << side;
+    }
+    solver->solve(right, right);
+    EXPECT_EQ(right, x);
+    EXPECT_LT((matrix.times(expected) - dense * expected).lpNorm<Eigen::Infinity>(), 1e-12);
+  }
+}
+
+TEST_P(SparseSolverTest, HermitianRightSidesOfOneNumber) {
+  const Eigen::MatrixXcd dense = hermitian_matrix(6);
+  const auto solver = HermitianSolver::create(GetParam());
+  solver->analyze(lower(dense));
+  solver->factorize(lower(dense));
+  for (const int i : {0, 30, 71}) {
+    Eigen::VectorXcd right = Eigen::VectorXcd::Zero(72), x;
+    right[i] = {0.0, 2.0};
+    solver->solve(right, x);
+    EXPECT_LT((dense * x - right).lpNorm<Eigen::Infinity>(), 1e-12) << i;
+  }
+}
+
+TEST_P(SparseSolverTest, HermitianMatricesThatAreIndefiniteOrNoNumbersFailAndLeaveTheSolverUsable) {
+  const Eigen::MatrixXcd dense = hermitian_matrix(6);
+  const auto solver = HermitianSolver::create(GetParam());
+  solver->analyze(lower(dense));
+  for (const int i : {0, 1, 40, 71}) {
+    for (const double pivot : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+      HermitianMatrix bad = lower(dense);
+      bad.value[static_cast<std::size_t>(bad.find(i, i))] = pivot;
+      EXPECT_THROW(solver->factorize(bad), SolveError) << i << ' ' << pivot;
+    }
+  }
+  solver->factorize(lower(dense));
+  Eigen::VectorXcd x;
+  solver->solve(dense * Eigen::VectorXcd::Ones(72), x);
+  EXPECT_LT((x - Eigen::VectorXcd::Ones(72)).lpNorm<Eigen::Infinity>(), 1e-11);
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, SparseSolverTest, ::testing::ValuesIn(backends()), [](const auto& kind) {
   return kind.param == Backend::cholmod ? "Cholmod" : "Eigen";
 });
@@ -238,8 +308,10 @@ TEST(SparseSolver, MakesTheBackendsOfTheBuildAndNoOther) {
   for (const Backend backend : {Backend::cholmod, Backend::eigen}) {
     if (std::find(present.begin(), present.end(), backend) != present.end()) {
       EXPECT_NE(SparseSolver::create(backend), nullptr);
+      EXPECT_NE(HermitianSolver::create(backend), nullptr);
     } else {
       EXPECT_THROW(SparseSolver::create(backend), std::invalid_argument);
+      EXPECT_THROW(HermitianSolver::create(backend), std::invalid_argument);
     }
   }
 }
