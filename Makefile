@@ -12,7 +12,7 @@ demo: ## Pose a cutout character in Blender; pictures and demo.blend in out/
 	@tools/setup.sh demo
 	@$(PYTHON) examples/demo.py
 
-test: ## All tests: native (four builds), Python, Blender data, Blender window
+test: ## All tests: native (three builds), Python, Blender data, Blender window
 	@tools/run_suites.py test
 
 matrix: ## The Blender tests in every supported Blender

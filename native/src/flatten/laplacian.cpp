@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "flatten/laplacian.h"
 
+#include <complex>
 #include <utility>
 
 #include "base/index.h"
 
 namespace planar {
 
-Unknowns::Unknowns(SparseSolver& solver, const std::vector<std::array<int, 2>>& edges,
+template <class Number>
+Unknowns::Unknowns(CholeskySolver<Number>& solver, const std::vector<std::array<int, 2>>& edges,
                    const std::vector<char>& free)
     : size(0), slot(free.size(), -1) {
   for (std::size_t v = 0; v < free.size(); ++v) {
@@ -27,13 +29,17 @@ Unknowns::Unknowns(SparseSolver& solver, const std::vector<std::array<int, 2>>& 
     if (number >= 0) number = place[at(number)];
   }
   pattern = make_pattern();
-  pattern.value.assign(pattern.row.size(), 0.0);
 }
+
+template Unknowns::Unknowns(CholeskySolver<double>&, const std::vector<std::array<int, 2>>&,
+                            const std::vector<char>&);
+template Unknowns::Unknowns(CholeskySolver<std::complex<double>>&, const std::vector<std::array<int, 2>>&,
+                            const std::vector<char>&);
 
 Laplacian::Laplacian(const std::vector<std::array<int, 2>>& edges, const Eigen::VectorXd& weight,
                      const std::vector<char>& free)
     : solver_(SparseSolver::create(default_backend())), unknowns_(*solver_, edges, free) {
-  SymmetricMatrix& matrix = unknowns_.pattern;
+  SymmetricMatrix matrix = unknowns_.zero<double>();
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const double w = weight[static_cast<Eigen::Index>(e)];
     const auto [first, second] = edges[e];

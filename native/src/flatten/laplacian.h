@@ -14,11 +14,21 @@ namespace planar {
 struct Unknowns {
   /// \param edges between which vertices the system has entries
   /// \param free a flag a vertex: it is an unknown
-  Unknowns(SparseSolver& solver, const std::vector<std::array<int, 2>>& edges, const std::vector<char>& free);
+  template <class Number>
+  Unknowns(CholeskySolver<Number>& solver, const std::vector<std::array<int, 2>>& edges,
+           const std::vector<char>& free);
+
+  /// The system's matrix, of values 0.
+  template <class Number>
+  SelfAdjointMatrix<Number> zero() const {
+    SelfAdjointMatrix<Number> matrix(pattern);
+    matrix.value.assign(matrix.row.size(), Number(0));
+    return matrix;
+  }
 
   int size;
   std::vector<int> slot;    ///< of a vertex among the unknowns, or -1
-  SymmetricMatrix pattern;  ///< an entry a pair of unknowns, of value 0
+  SparsityPattern pattern;  ///< an entry a pair of unknowns
 };
 
 /// The Laplacian of a weighted graph, of which some vertices stay where they are.

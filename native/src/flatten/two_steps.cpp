@@ -10,29 +10,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// The real form of a Hermitian matrix, lower triangle by columns: x and y of an unknown next to each other.
-SymmetricMatrix real_form(const SymmetricMatrix& graph, const std::vector<Complex>& value) {
-  SymmetricMatrix result;
-  result.size = 2 * graph.size;
-  result.column_start.push_back(0);
-  const auto add = [&result](int row, double entry) {
-    result.row.push_back(row);
-    result.value.push_back(entry);
-  };
-  for (int j = 0; j < graph.size; ++j) {
-    for (const bool y : {false, true}) {
-      for (int p = graph.column_start[at(j)]; p < graph.column_start[at(j) + 1]; ++p) {
-        const int i = graph.row[at(p)];
-        const Complex entry = value[at(p)];
-        if (i > j || !y) add(2 * i, y ? -entry.imag() : entry.real());
-        add(2 * i + 1, y ? entry.real() : entry.imag());
-      }
-      result.column_start.push_back(static_cast<int>(result.row.size()));
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 TwoSteps::TwoSteps(const Patch& patch, const Eigen::VectorXd& weight, std::array<int, 2> fixed)
@@ -85,11 +62,10 @@ void TwoSteps::factor_similar(const std::vector<char>& free) {
       for (std::size_t j = 0; j < i; ++j) couplings.push_back({edge.vertex[i], edge.vertex[j]});
     }
   }
-  similar_ = SparseSolver::create(default_backend());
+  similar_ = HermitianSolver::create(default_backend());
   unknowns_ = std::make_unique<Unknowns>(*similar_, couplings, free);
-  const SymmetricMatrix& graph = unknowns_->pattern;
-  std::vector<Complex> value(graph.row.size());
-  right_.setZero(2 * unknowns_->size);
+  HermitianMatrix matrix = unknowns_->zero<Complex>();
+  right_.setZero(unknowns_->size);
   for (const Neighbourhood& edge : edges_) {
     // The edge's row of A₁: x_b - x_a - T · length.
     std::array<Complex, 4> row;
@@ -103,16 +79,14 @@ void TwoSteps::factor_similar(const std::vector<char>& free) {
         const int other = unknowns_->slot[at(edge.vertex[j])];
         const Complex entry = edge.weight * std::conj(row[i]) * row[j];
         if (other < 0) {
-          const Complex known = entry * complex_row(fixed_, edge.vertex[j]);
-          right_.segment<2>(2 * slot) -= Eigen::Vector2d(known.real(), known.imag());
+          right_[slot] -= entry * complex_row(fixed_, edge.vertex[j]);
         } else if (other <= slot) {
-          value[at(graph.find(slot, other))] += entry;
+          matrix.value[at(matrix.find(slot, other))] += entry;
         }
       }
     }
   }
   if (unknowns_->size == 0) return;
-  const SymmetricMatrix matrix = real_form(graph, value);
   similar_->analyze(matrix);
   similar_->factorize(matrix);
 }
@@ -120,11 +94,11 @@ void TwoSteps::factor_similar(const std::vector<char>& free) {
 Points TwoSteps::similar() const {
   Points x = fixed_;
   if (unknowns_->size == 0) return x;
-  Eigen::VectorXd unknown(right_.size());
+  Eigen::VectorXcd unknown(right_.size());
   similar_->solve(right_, unknown);
   for (std::size_t v = 0; v < unknowns_->slot.size(); ++v) {
     const int slot = unknowns_->slot[v];
-    if (slot >= 0) x.row(static_cast<Eigen::Index>(v)) = unknown.segment<2>(2 * slot);
+    if (slot >= 0) x.row(static_cast<Eigen::Index>(v)) << unknown[slot].real(), unknown[slot].imag();
   }
   return x;
 }

@@ -46,9 +46,9 @@ class TwoSteps {
   const Patch& patch_;
   Points fixed_;  ///< n×2: the fixed ends where they stay, 0 elsewhere
   std::vector<Neighbourhood> edges_;
-  std::unique_ptr<SparseSolver> similar_;
-  std::unique_ptr<Unknowns> unknowns_;  ///< of the first step; x and y of one next to each other
-  Eigen::VectorXd right_;
+  std::unique_ptr<HermitianSolver> similar_;
+  std::unique_ptr<Unknowns> unknowns_;  ///< of the first step
+  Eigen::VectorXcd right_;
   std::unique_ptr<Laplacian> adjusted_;
 };
 
