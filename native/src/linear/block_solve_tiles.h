@@ -11,8 +11,8 @@
 namespace planar {
 namespace {
 
-/// a - x factor, rounded once where the processor can, whatever the compiler would contract by itself: a right
-/// side's solution must not depend on the ones beside it, which say how wide a vector it is in.
+/// a - x factor, rounded once where the processor can, whatever the compiler would contract by itself: a
+/// right side's solution must not depend on the ones beside it, which say how wide a vector it is in.
 template <class Vector>
 Vector minus_product(const Vector& a, const Vector& x, double factor) {
 #ifdef __FMA__
