@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Print the compiled sources that differ from what has landed, themselves or in anything they include.
+"""Print the compiled sources that differ from what has landed, and of those that include it one a header.
 
 What has landed is where this branch left origin/main or, without that, main. On that commit itself, as in
 a clean clone, it is the last one that is four hours older. Where there is none, and where the checks or the
@@ -41,15 +41,26 @@ def landed() -> str | None:
     return older[0] if older else None
 
 
-def with_includers(names: set[str], files: list[Path]) -> set[str]:
-    """The names of files, and of those that include one of them, directly or not. Alike names are one."""
-    included = {
+def readers(changed: set[str], files: list[Path]) -> set[str]:
+    """The names of those sources whose reading reads all changed files: themselves, and one for each header.
+
+    That is the source of the header's own name, or the first one that includes it, directly or not. Alike
+    names are one.
+    """
+    including = {
         file.name: {Path(name).name for name in re.findall(r'#include "(.+)"', file.read_text())}
-        for file in files
+        for file in sorted(files)
     }
-    while more := {name for name, inside in included.items() if inside & names} - names:
-        names = names | more
-    return names
+    sources = [name for name in including if name.endswith(".cpp")]
+    found = changed.intersection(sources)
+    for header in changed.intersection(including) - found:
+        own = Path(header).with_suffix(".cpp").name
+        names = {header}
+        while own not in including and names:
+            own = next((name for name in sources if including[name] & names), own)
+            names = {name for name, inside in including.items() if inside & names} - names
+        found.update({own}.intersection(including))
+    return found
 
 
 def main() -> None:
@@ -58,7 +69,7 @@ def main() -> None:
     changed = set(git("diff", "--name-only", base)) if base else CONCERNS_ALL
     if not changed & CONCERNS_ALL:
         files = [PROJECT / name for name in git("ls-files", "native") if name.endswith((".cpp", ".h"))]
-        concerned = with_includers({Path(name).name for name in changed}, files)
+        concerned = readers({Path(name).name for name in changed}, files)
         sources = [path for path in sources if path.name in concerned]
     print(*sources, sep="\n", end="\n" if sources else "")
 

@@ -97,7 +97,7 @@ def matrix(*, whole: bool, tested: bool) -> list[Suite]:
 
 
 def on_this_machine(*, whole: bool) -> list[Suite]:
-    """What `make test` runs; not `whole`: of the builds beside the release what differs there, and no threads'."""
+    """What `make test` runs; not `whole`: of the builds beside the release what differs there."""
     return [
         # First, as they take long, and the others find in ccache what they compile.
         native("asan-whole" if whole else "asan"),
