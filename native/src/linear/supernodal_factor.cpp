@@ -15,6 +15,9 @@ namespace planar {
 
 namespace {
 
+template <class Number>
+constexpr int doubles = std::same_as<Number, double> ? 1 : 2;  // that a number is made of
+
 using Complex = std::complex<double>;
 
 /// In eight sums: one would wait for each addition.
@@ -69,7 +72,7 @@ class LowerProduct {
   }
 
  private:
-  static constexpr int parts = sizeof(Number) / sizeof(double);
+  static constexpr int parts = doubles<Number>;
 
   const double* value_;
   std::ptrdiff_t stride_;
@@ -90,7 +93,7 @@ SupernodalFactor<Number>::SupernodalFactor(Supernodes supernodes) : nodes_(std::
     owner_.insert(owner_.end(), at(width(s)), s);
   }
   value_.assign(total + tile_overhang, 0.0);
-  constexpr int parts = sizeof(Number) / sizeof(double);
+  constexpr int parts = doubles<Number>;
   work_.assign(
       static_cast<std::size_t>(product_stride(parts * highest)) * at(parts * (widest + tile_columns)), 0.0);
   rows_of_x_.resize(highest);

@@ -41,8 +41,12 @@ class SupernodalFactor {
   void solve(Vector& x);
 
   /// The same for a right side a column; in several threads at once if need be.
-  void solve(RightSides& x) const requires std::same_as<Number, double> {
+  template <std::same_as<RightSides> Sides>  // of doubles alone, so that it is not made of complex numbers
+  void solve(Sides& x) const {
     const int columns = static_cast<int>(x.cols());
+    const auto finished = [this](int s) {
+      return FactorBlock{value_.data() + start_[at(s)], width(s), height(s), rows(s)};
+    };
     for (int s = 0; s < n_blocks(); ++s) solve_forward(finished(s), x.data(), columns);
     for (int s = n_blocks() - 1; s >= 0; --s) solve_backward(finished(s), x.data(), columns);
   }
@@ -52,10 +56,6 @@ class SupernodalFactor {
   void subtract(int from, int s);
   bool factor_block(int s);
   void queue(int s);
-
-  FactorBlock finished(int s) const requires std::same_as<Number, double> {
-    return {value_.data() + start_[at(s)], width(s), height(s), rows(s)};
-  }
 
   int n_blocks() const { return static_cast<int>(start_.size()); }
   int width(int s) const { return nodes_.first[at(s) + 1] - nodes_.first[at(s)]; }
