@@ -22,8 +22,7 @@ std::pair<Points, Points> py_arap_two_step(py::handle rest, py::handle triangles
   const Triangles t = to_triangles(triangles);
   const Handles h = to_handles(handles, t, x.rows());
   const Points u = to_points("targets", targets, h.size());
-  const auto kind = to_choice<ArapWeights>(
-      "weights", weights, {{"cotangent", ArapWeights::cotangent}, {"uniform", ArapWeights::uniform}});
+  const ArapWeights kind = to_arap_weights(weights);
   const py::gil_scoped_release unlocked;
   ArapSteps steps = arap_two_step(x, t, h, u, handle_weight, kind);
   return {std::move(steps.similar), std::move(steps.final)};

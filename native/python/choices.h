@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "planar/arap.h"
+
 namespace planar::python {
 
 // The choice of that name. Throws std::invalid_argument (ValueError in Python) that lists the names there
@@ -19,6 +21,11 @@ Choice to_choice(const std::string& option, const std::string& name,
     text += std::string(" '") + known + "'";
   }
   throw std::invalid_argument(text);
+}
+
+inline ArapWeights to_arap_weights(const std::string& name) {
+  return to_choice<ArapWeights>("weights", name,
+                                {{"cotangent", ArapWeights::cotangent}, {"uniform", ArapWeights::uniform}});
 }
 
 }  // namespace planar::python

@@ -29,8 +29,7 @@ struct Request {
     options.method = to_choice<FlattenMethod>(
         "method", method, {{"hold", FlattenMethod::hold}, {"two_step", FlattenMethod::two_steps}});
     options.iterations = iterations;
-    options.weights = to_choice<FlattenWeights>(
-        "weights", weights, {{"cotangent", FlattenWeights::cotangent}, {"uniform", FlattenWeights::uniform}});
+    options.weights = to_arap_weights(weights);
     if (!fixed.is_none()) {
       const Eigen::VectorXi ends = to_indices("fixed", fixed, 2);
       options.fixed = {ends[0], ends[1]};

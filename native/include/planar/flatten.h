@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "planar/arap.h"
 #include "planar/handle.h"
 #include "planar/poser.h"
 #include "planar/types.h"
@@ -18,11 +19,6 @@ enum class FlattenMethod {
   two_steps,  ///< [ARAP09, section 7]; triangles may be
 };
 
-enum class FlattenWeights {
-  cotangent,  ///< of the angles opposite to an edge, clamped at 0 [ARAP09, section 6]
-  uniform,    ///< 1 [ARAP09 1]
-};
-
 struct FlattenOptions {
   FlattenMethod method = FlattenMethod::hold;
 
@@ -30,7 +26,7 @@ struct FlattenOptions {
   /// second step with turns taken from the result before.
   int iterations = 0;
 
-  FlattenWeights weights = FlattenWeights::cotangent;  ///< of the two steps, from which hold starts as well
+  ArapWeights weights = ArapWeights::cotangent;  ///< of the two steps, from which hold starts as well
 
   /// Two vertices of an edge. The two steps start from it, and the result has it along the positive x axis.
   /// Without: an edge in the middle of the surface, and the result lies along the x axis.

@@ -9,7 +9,6 @@
 #include "base/checks.h"
 #include "base/complex_rows.h"
 #include "base/index.h"
-#include "energy/cotangent_weights.h"
 #include "flatten/patch.h"
 #include "flatten/placing.h"
 #include "flatten/tutte_map.h"
@@ -61,13 +60,6 @@ void require_options(const FlattenOptions& options) {
   if (options.iterations < 0) throw std::invalid_argument("iterations must be at least 0");
 }
 
-RestOf rest_of(const Patch& patch) {
-  return [&patch](int t, int v) -> Eigen::Vector2d {
-    const std::complex<double> p = patch.corner(t, v);
-    return {p.real(), p.imag()};
-  };
-}
-
 }  // namespace
 
 struct Flattener::State {
@@ -106,11 +98,9 @@ Flattener::State::State(const SpacePoints& vertices, const Triangles& triangles,
       targets(0, 2) {
   const std::array<int, 2> edge = checked_edge(patch, options.fixed);
   tell(options, 0.0);
-  const RestOf rest = rest_of(patch);
   std::optional<TwoSteps> steps;
   try {
-    const bool cotangent = options.weights == FlattenWeights::cotangent;
-    steps.emplace(patch, cotangent ? cotangent_weights(patch.mesh, rest) : uniform_weights(patch.mesh), edge);
+    steps.emplace(patch, edge_weights(patch.mesh, patch.rest_of(), options.weights), edge);
     x = steps->adjusted(steps->similar());
   } catch (const SolveError&) {
     if (options.method == FlattenMethod::two_steps) throw;
@@ -156,7 +146,7 @@ bool Flattener::State::upright(const Points& at_x) {
 HoldMethod& Flattener::State::hold() {
   if (!method) {
     const double size = 2.0 * std::sqrt(patch.area / std::numbers::pi);
-    method = std::make_unique<HoldMethod>(patch.mesh, rest_of(patch), orientation, size);
+    method = std::make_unique<HoldMethod>(patch.mesh, patch.rest_of(), orientation, size);
   }
   return *method;
 }

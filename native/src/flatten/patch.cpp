@@ -151,7 +151,8 @@ Patch::Patch(const SpacePoints& vertices, const Triangles& rows)
   }
 
   std::vector<int> next(at(mesh.n_vertices), -1);
-  beside.assign(mesh.edges.size(), {-1, -1});
+  // For each edge (a, b), a < b: whether a triangle is on its left and on its right.
+  std::vector<std::array<bool, 2>> beside(mesh.edges.size());
   std::size_t e = 0;
   for (const Side& side : sides) {
     while (mesh.edges[e] != side.edge) ++e;
@@ -159,13 +160,13 @@ Patch::Patch(const SpacePoints& vertices, const Triangles& rows)
     const int* corner = mesh.triangles.data() + 3 * static_cast<std::ptrdiff_t>(side.triangle);
     const bool left = (corner[0] == a && corner[1] == b) || (corner[1] == a && corner[2] == b) ||
                       (corner[2] == a && corner[0] == b);
-    beside[e][left ? 0 : 1] = side.triangle;
+    beside[e][left ? 0 : 1] = true;
   }
   for (e = 0; e < beside.size(); ++e) {
     const auto [a, b] = mesh.edges[e];
     length.push_back((vertices.row(a) - vertices.row(b)).norm());
-    if (beside[e][0] < 0) next[at(b)] = a;
-    if (beside[e][1] < 0) next[at(a)] = b;
+    if (!beside[e][0]) next[at(b)] = a;
+    if (!beside[e][1]) next[at(a)] = b;
   }
   loops = loops_of(std::move(next));
   if (loops.empty()) {
@@ -193,15 +194,12 @@ double Patch::length_of(const std::vector<int>& loop) const {
   return sum;
 }
 
-std::complex<double> Patch::corner(int t, int v) const {
-  const auto row = mesh.triangles.row(t);
-  return corners[at(t)][row[0] == v ? 0 : row[1] == v ? 1 : 2];
-}
-
-int Patch::apex(std::size_t e, int t) const {
-  const auto row = mesh.triangles.row(t);
-  const auto [a, b] = mesh.edges[e];
-  return row[0] != a && row[0] != b ? row[0] : row[1] != a && row[1] != b ? row[1] : row[2];
+RestOf Patch::rest_of() const {
+  return [this](int t, int v) -> Eigen::Vector2d {
+    const auto row = mesh.triangles.row(t);
+    const std::complex<double> p = corners[at(t)][row[0] == v ? 0 : row[1] == v ? 1 : 2];
+    return {p.real(), p.imag()};
+  };
 }
 
 std::array<int, 2> Patch::central_edge() const {

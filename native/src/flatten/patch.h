@@ -29,9 +29,6 @@ struct Patch {
   std::vector<Corners> corners;  ///< m
   double area;                   ///< of all triangles
 
-  /// For each edge (a, b) of the mesh, a < b: the triangle on its left and on its right, -1 where there is
-  /// none.
-  std::vector<std::array<int, 2>> beside;
   std::vector<double> length;  ///< of each edge
 
   /// Boundaries, the longest first: the outer one. The others are holes.
@@ -40,10 +37,8 @@ struct Patch {
   double area_of(std::size_t t) const { return 0.5 * corners[t][1].real() * corners[t][2].imag(); }
   double length_of(const std::vector<int>& loop) const;
 
-  /// Where triangle t has vertex v, which is one of its corners.
-  std::complex<double> corner(int t, int v) const;
-  /// The corner of triangle t that is neither end of edge e.
-  int apex(std::size_t e, int t) const;
+  /// Each triangle laid flat by itself; the patch must outlive it.
+  RestOf rest_of() const;
 
   /// An edge in the middle of the patch: at a vertex from which no other one is far along edges.
   std::array<int, 2> central_edge() const;

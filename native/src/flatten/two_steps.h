@@ -2,13 +2,14 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <memory>
 #include <vector>
 
 #include "flatten/laplacian.h"
 #include "flatten/patch.h"
 #include "linear/sparse_solver.h"
+#include "linear/unknowns.h"
+#include "posing/edge_neighbourhood.h"
 
 namespace planar {
 
@@ -18,7 +19,6 @@ namespace planar {
 /// along the positive x axis. What can be unrolled is, exactly.
 class TwoSteps {
  public:
-  /// \param patch must outlive this
   /// \param weight of each edge of the patch's mesh
   /// \param fixed two vertices that share an edge
   /// \throw SolveError a system could not be factored
@@ -30,22 +30,11 @@ class TwoSteps {
   Points adjusted(const Points& x) const;
 
  private:
-  /// An edge's neighbourhood laid flat: its ends at 0 and on the positive real axis, and its apexes.
-  struct Neighbourhood {
-    std::array<int, 4> vertex;
-    std::array<std::complex<double>, 4> fit;  ///< T = Σ fit x is the similarity nearest to x [ARAP09 6]
-    std::size_t size;                         ///< vertices: 3 or 4
-    double length;                            ///< of the edge
-    double weight;
-  };
-  Neighbourhood neighbourhood(std::size_t edge, double weight) const;
-  static std::complex<double> similarity(const Neighbourhood& edge, const Points& x);
-
   void factor_similar(const std::vector<char>& free);
 
-  const Patch& patch_;
   Points fixed_;  ///< n×2: the fixed ends where they stay, 0 elsewhere
-  std::vector<Neighbourhood> edges_;
+  std::vector<EdgeNeighbourhood> edges_;
+  Eigen::VectorXd weight_;  ///< of each
   std::unique_ptr<HermitianSolver> similar_;
   std::unique_ptr<Unknowns> unknowns_;  ///< of the first step
   Eigen::VectorXcd right_;

@@ -10,7 +10,6 @@
 #include "base/complex_rows.h"
 #include "base/diameter.h"
 #include "base/index.h"
-#include "energy/cotangent_weights.h"
 
 namespace planar {
 
@@ -35,12 +34,6 @@ RestOf in(const Points& rest) {
   return [&rest](int, int v) -> Eigen::Vector2d { return rest.row(v); };
 }
 
-Eigen::VectorXd weights_of(const Mesh& mesh, const Points& rest, const Eigen::VectorXd& stiffness,
-                           ArapWeights weights) {
-  return weights == ArapWeights::uniform ? uniform_weights(mesh, stiffness)
-                                         : cotangent_weights(mesh, in(rest), stiffness);
-}
-
 }  // namespace
 
 ArapMethod::ArapMethod(const Points& rest, const Triangles& triangles, const Eigen::VectorXd& stiffness,
@@ -49,7 +42,7 @@ ArapMethod::ArapMethod(const Points& rest, const Triangles& triangles, const Eig
       rest_(rest / unit_),
       size_(diameter(rest_)),
       mesh_(rest_.rows(), triangles),
-      solver_(mesh_, in(rest_), weights_of(mesh_, rest_, stiffness, weights)),
+      solver_(mesh_, in(rest_), edge_weights(mesh_, in(rest_), weights, stiffness)),
       pinned_(at(mesh_.n_parts)),
       determined_(pinned_),
       centre_(pinned_.size()),

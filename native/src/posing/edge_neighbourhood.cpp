@@ -5,6 +5,7 @@
 
 #include "base/complex_rows.h"
 #include "base/index.h"
+#include "energy/cotangent_weights.h"
 
 namespace planar {
 
@@ -54,6 +55,22 @@ std::vector<EdgeNeighbourhood> edge_neighbourhoods(const Mesh& mesh, const RestO
   }
   for (EdgeNeighbourhood& hood : hoods) fit_similarity(hood);
   return hoods;
+}
+
+std::vector<std::array<int, 2>> couplings(const std::vector<EdgeNeighbourhood>& hoods) {
+  std::vector<std::array<int, 2>> result;
+  for (const EdgeNeighbourhood& hood : hoods) {
+    for (std::size_t m = 0; m < hood.n_vertices; ++m) {
+      for (std::size_t n = 0; n < m; ++n) result.push_back({hood.vertex[m], hood.vertex[n]});
+    }
+  }
+  return result;
+}
+
+Eigen::VectorXd edge_weights(const Mesh& mesh, const RestOf& rest_of, ArapWeights weights,
+                             const Eigen::VectorXd& stiffness) {
+  return weights == ArapWeights::uniform ? uniform_weights(mesh, stiffness)
+                                         : cotangent_weights(mesh, rest_of, stiffness);
 }
 
 }  // namespace planar

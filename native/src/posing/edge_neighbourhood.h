@@ -7,6 +7,7 @@
 
 #include "base/complex_product.h"
 #include "mesh/mesh.h"
+#include "planar/arap.h"
 
 namespace planar {
 
@@ -29,11 +30,26 @@ struct EdgeNeighbourhood {
       sum += product(fit[m], x[static_cast<std::size_t>(vertex[m])]);
     return sum;
   }
+
+  /// Of `vertex`: what is left of the edge, x[1] - x[0] - T edge, is Σ left x.
+  std::array<std::complex<double>, 4> left() const {
+    std::array<std::complex<double>, 4> result{-1.0, 1.0, 0.0, 0.0};
+    for (std::size_t m = 0; m < n_vertices; ++m) result[m] -= fit[m];
+    return result;
+  }
 };
 
 /// Those of a mesh's edges, in their order, then one for each brace: the missing side, with the vertex.
 ///
 /// \param rest_of with t = -1 for the corners of braces
 std::vector<EdgeNeighbourhood> edge_neighbourhoods(const Mesh& mesh, const RestOf& rest_of);
+
+/// Pairs of vertices that are in one neighbourhood: those between which the first step has entries.
+std::vector<std::array<int, 2>> couplings(const std::vector<EdgeNeighbourhood>& hoods);
+
+/// The weights of a mesh's edges, see cotangent_weights.h.
+/// \param stiffness m factors, or empty
+Eigen::VectorXd edge_weights(const Mesh& mesh, const RestOf& rest_of, ArapWeights weights,
+                             const Eigen::VectorXd& stiffness = {});
 
 }  // namespace planar

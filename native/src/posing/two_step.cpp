@@ -8,6 +8,7 @@
 #include "base/complex_product.h"
 #include "base/complex_rows.h"
 #include "base/index.h"
+#include "linear/unknowns.h"
 
 namespace planar {
 
@@ -35,14 +36,10 @@ Complex turned(const Complex& rest, const Complex& wanted) {
 
 template <class Solver>
 TwoStep::System<Solver>::System(int n_vertices, const std::vector<std::array<int, 2>>& edges)
-    : solver(Solver::create(default_backend())), slot(at(n_vertices)) {
-  const std::vector<int> order = solver->fill_reducing_order(graph_pattern(n_vertices, edges));
-  for (std::size_t k = 0; k < order.size(); ++k) slot[at(order[k])] = static_cast<int>(k);
-  std::vector<std::array<int, 2>> ordered;
-  ordered.reserve(edges.size());
-  for (const auto& [a, b] : edges) ordered.push_back({slot[at(a)], slot[at(b)]});
-  matrix = graph_pattern(n_vertices, ordered);
-  matrix.value.assign(matrix.row.size(), 0.0);
+    : solver(Solver::create(default_backend())) {
+  Unknowns all(*solver, edges, std::vector<char>(at(n_vertices), 1));
+  matrix = all.zero<Number>();
+  slot = std::move(all.slot);
   solver->analyze(matrix);
 }
 
@@ -77,17 +74,9 @@ void TwoStep::System<Solver>::factor(const std::vector<Pin>& pins, const std::ve
 TwoStep::System<HermitianSolver> TwoStep::make_similarity(const Mesh& mesh,
                                                           const std::vector<EdgeNeighbourhood>& hoods,
                                                           const Eigen::VectorXd& weight) {
-  std::vector<std::array<int, 2>> coupled;
-  for (const EdgeNeighbourhood& hood : hoods) {
-    for (std::size_t m = 0; m < hood.n_vertices; ++m) {
-      for (std::size_t n = 0; n < m; ++n) coupled.push_back({hood.vertex[m], hood.vertex[n]});
-    }
-  }
-  System<HermitianSolver> system(mesh.n_vertices, coupled);
+  System<HermitianSolver> system(mesh.n_vertices, couplings(hoods));
   for (std::size_t k = 0; k < hoods.size(); ++k) {
-    // What is left of edge k is Σ left v.
-    std::array<Complex, 4> left{-1.0, 1.0, 0.0, 0.0};
-    for (std::size_t m = 0; m < hoods[k].n_vertices; ++m) left[m] -= hoods[k].fit[m];
+    const std::array<Complex, 4> left = hoods[k].left();
     for (std::size_t m = 0; m < hoods[k].n_vertices; ++m) {
       for (std::size_t n = 0; n <= m; ++n) {
         system.add(hoods[k].vertex[m], hoods[k].vertex[n],

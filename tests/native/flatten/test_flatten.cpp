@@ -52,7 +52,7 @@ TEST(Flatten, UnrollsCylindersInTwoSteps) {
   const Surface surface = cylinder();
   // What can be unrolled are the triangles, whose sides are chords.
   const double width = 18.0 * 2.0 * std::sin(4.0 / 18.0 / 2.0);
-  for (const FlattenWeights weights : {FlattenWeights::cotangent, FlattenWeights::uniform}) {
+  for (const ArapWeights weights : {ArapWeights::cotangent, ArapWeights::uniform}) {
     FlattenOptions options = two_steps();
     options.weights = weights;
     EXPECT_LT(

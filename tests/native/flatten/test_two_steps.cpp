@@ -24,9 +24,7 @@ Surface bump() {
 
 Eigen::VectorXd weights_of(const Patch& patch, bool cotangent) {
   if (!cotangent) return uniform_weights(patch.mesh);
-  return cotangent_weights(patch.mesh, [&patch](int t, int v) -> Eigen::Vector2d {
-    return {patch.corner(t, v).real(), patch.corner(t, v).imag()};
-  });
+  return cotangent_weights(patch.mesh, patch.rest_of());
 }
 
 /// [ARAP09] sections 4 and 7 read word by word, from positions in space, by dense least squares.
