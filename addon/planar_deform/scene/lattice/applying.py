@@ -12,7 +12,7 @@ from ..objects.flat_object import linear_of, origin_of
 from ..objects.pose_store import store_of
 from ..storage import points
 from . import reaching
-from .rig import deformed, displacements, factors_of, once_deformed, read_grid, weights_at
+from .rig import displacements, factors_of, once_deformed, read_grid, weights_at
 
 
 def apply(lattice: bpy.types.Object, *, keep_modifiers: bool) -> list[bpy.types.Object]:
@@ -20,7 +20,7 @@ def apply(lattice: bpy.types.Object, *, keep_modifiers: bool) -> list[bpy.types.
 
     Its modifiers are removed, or hidden to be kept. Raises Refusal, with nothing changed.
     """
-    pairs = once_deformed(deformed(lattice, also_hidden=True), lattice)
+    pairs = once_deformed(lattice, also_hidden=True)
     for obj, modifier in pairs:
         _check(obj, modifier)
     shapes = [_deformed(lattice, obj, modifier) for obj, modifier in pairs]

@@ -203,10 +203,10 @@ def deformed(
 
 
 def once_deformed(
-    pairs: Iterable[tuple[bpy.types.Object, bpy.types.Modifier]], lattice: bpy.types.Object
+    lattice: bpy.types.Object, *, also_hidden: bool = False
 ) -> list[tuple[bpy.types.Object, bpy.types.Modifier]]:
     """What a lattice deforms, see deformed(). Raises Refusal where that is nothing, or an object twice."""
-    found = list(pairs)
+    found = list(deformed(lattice, also_hidden=also_hidden))
     if not found:
         raise Refusal(
             f"'{lattice.name}' deforms no mesh that is shown: give one a Lattice modifier with this object"
@@ -273,7 +273,7 @@ def read_rig(lattice: bpy.types.Object, *, drawn: bool = False) -> LatticeRig:
     before = _kept.pop(lattice.session_uid, None)
     old = {} if before is None else {part.session_uid: part for part in before.parts}
     parts: list[Part] = []
-    for obj, modifier in once_deformed(deformed(lattice), lattice):
+    for obj, modifier in once_deformed(lattice):
         parts.append(_read_part(lattice, grid, obj, modifier, old.get(obj.session_uid), drawn))
     rig = LatticeRig(grid, tuple(parts), points_at_rest)
     if (
