@@ -43,7 +43,7 @@ from contact_sheet import View  # noqa: E402
 from drawing import Layer  # noqa: E402
 
 Cell = tuple[str, str, Image.Image]  # label, note, picture
-STAGE = View.around(8.9, -0.55, 6.1, 1408, 368)  # what the film shows
+STAGE = View.around(8.9, -0.55, 6.1, 1056, 276)  # what the film shows; the codec wants even sides
 SURFACE = 26.0  # where the one stands that is laid flat, out of the film
 LATTICES = (13.9, 18.0)  # where those stand that lattices deform
 SHEET_STEP = 4  # frames from one picture of the film's sheet to the next

@@ -19,7 +19,6 @@ from planar_deform.scene.sequence.pose_blocks import own_curve
 FPS = 24
 SAMPLES = 4
 HOLD = 5  # frames for which a pose stands
-PERCENTAGE = 75  # of the view's pixels, even numbers for the codec; what a frame costs grows with them
 CELL = 0.4  # of the film's size
 SKY = ((172, 212, 214), (250, 226, 196))  # above, at the horizon
 GROUND = ((214, 190, 152), (190, 160, 122))  # at the horizon, below
@@ -74,7 +73,6 @@ def prepare(scene: bpy.types.Scene, view: View) -> None:
     render = scene.render
     render.film_transparent = False
     render.fps = FPS
-    render.resolution_percentage = PERCENTAGE
     settings = render.image_settings
     if hasattr(settings, "media_type"):  # from 5.0
         settings.media_type = "VIDEO"
