@@ -42,6 +42,7 @@ class Outcome:
     passed: int
     failed: int
     seconds: float
+    cpu: float  # seconds of all its processes
     left_out: bool = False
 
 
@@ -66,7 +67,7 @@ def extension(blender: str) -> Suite:
 
 
 def windows(*options: str, whole: bool) -> tuple[str, ...]:
-    return ("tools/window_tests.sh", *options, *(["--alone"] if whole else []))
+    return ("tools/window_tests.sh", *options, *(["--whole"] if whole else []))
 
 
 def default_bpy() -> str:
@@ -134,40 +135,43 @@ def counts(log: str) -> tuple[int, int]:
     return found.get("passed", 0), found.get("failed", 0) + found.get("error", 0)
 
 
-def call(command: tuple[str, ...], log: IO[str]) -> int:
+def call(command: tuple[str, ...], log: IO[str]) -> tuple[int, float]:
+    """The exit code and the seconds of processor time."""
     # CMake's own variable: the share of a suite that builds.
     jobs = max(1, (os.cpu_count() or 1) // AT_A_TIME)
-    return subprocess.run(
+    process = subprocess.Popen(
         command,
         cwd=PROJECT,
         env={**os.environ, "CMAKE_BUILD_PARALLEL_LEVEL": str(jobs)},
         stdin=subprocess.DEVNULL,
         stdout=log,
         stderr=subprocess.STDOUT,
-        check=False,
-    ).returncode
+    )
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, usage.ru_utime + usage.ru_stime
 
 
 def row(outcome: Outcome) -> str:
     what = f"{'left out':>13}" if outcome.left_out else f"{outcome.passed:6} {outcome.failed:6}"
-    return f"{outcome.suite.name:17} {what} {outcome.seconds:8.0f}"
+    return f"{outcome.suite.name:17} {what} {outcome.seconds:8.0f} {outcome.cpu:8.0f}"
 
 
 def run(suite: Suite) -> Outcome:
     start = time.monotonic()
     log_path = LOGS / f"{suite.name}.log"
     with log_path.open("w") as log:
-        if NEWEST in suite.command and call(("tools/room.sh", NEWEST), log) != 0:
-            outcome = Outcome(suite, 0, 0, time.monotonic() - start, left_out=True)
+        if NEWEST in suite.command and call(("tools/room.sh", NEWEST), log)[0] != 0:
+            outcome = Outcome(suite, 0, 0, time.monotonic() - start, 0.0, left_out=True)
             reason = f"the {NEWEST} room cannot be made here, see {log_path.relative_to(PROJECT)}"
             print(f"{row(outcome)}  {reason}", flush=True)
             return outcome
-        code = call(suite.command, log)
+        code, cpu = call(suite.command, log)
     text = log_path.read_text(errors="replace")
     passed, failed = counts(text)
     if failed == 0 and (code != 0 or passed == 0):
         failed = 1  # it broke off, or ran nothing
-    outcome = Outcome(suite, passed, failed, time.monotonic() - start)
+    outcome = Outcome(suite, passed, failed, time.monotonic() - start, cpu)
     lines = [row(outcome)]
     if failed:
         lines += [f"---- end of {log_path.relative_to(PROJECT)}", *text.splitlines()[-TAIL:], "----"]
@@ -179,8 +183,11 @@ def set_up(name: str) -> Outcome:
     """What all suites of a command need; what it does is seen as it goes."""
     start = time.monotonic()
     suite = Suite("setup", ("tools/setup.sh", "lint" if name in ("landing", "nightly") else "test"))
+    before = os.times()
     code = subprocess.run(suite.command, cwd=PROJECT, stdin=subprocess.DEVNULL, check=False).returncode
-    return Outcome(suite, 0, int(code != 0), time.monotonic() - start)
+    after = os.times()
+    cpu = sum(after[2:4]) - sum(before[2:4])
+    return Outcome(suite, 0, int(code != 0), time.monotonic() - start, cpu)
 
 
 def main() -> int:
@@ -189,7 +196,7 @@ def main() -> int:
     start = time.monotonic()
     LOGS.mkdir(parents=True, exist_ok=True)
     chosen = suites(sys.argv[1])
-    head = f"{'suite':17} {'passed':>6} {'failed':>6} {'seconds':>8}"
+    head = f"{'suite':17} {'passed':>6} {'failed':>6} {'seconds':>8} {'cpu':>8}"
     ready = set_up(sys.argv[1])
     print(head, row(ready), sep="\n", flush=True)
     if ready.failed:
@@ -199,8 +206,10 @@ def main() -> int:
         outcomes = [ready, *pool.map(run, chosen)]
     print(f"\n{head}", *map(row, outcomes), sep="\n")
     failed = sum(outcome.failed for outcome in outcomes)
-    print(f"{'in all':17} {sum(o.passed for o in outcomes):6} {failed:6} {time.monotonic() - start:8.0f}")
-    print(f"\n{sum(outcome.passed for outcome in outcomes)} passed, {failed} failed", flush=True)
+    every = Suite("in all", ())
+    passed, cpu = sum(outcome.passed for outcome in outcomes), sum(outcome.cpu for outcome in outcomes)
+    print(row(Outcome(every, passed, failed, time.monotonic() - start, cpu)))
+    print(f"\n{passed} passed, {failed} failed", flush=True)
     return 1 if failed else 0
 
 

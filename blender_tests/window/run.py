@@ -32,7 +32,7 @@ CORE = ("cameras", "drag", "first_shot", "keys", "pins", "poses", "record", "rin
 
 def environment(work: Path) -> dict[str, str]:
     """Nothing of the user's own settings, and all that Blender writes goes below `work`."""
-    keep = {key: os.environ[key] for key in ("PATH", "LANG") if key in os.environ}
+    keep = {key: os.environ[key] for key in ("PATH", "LANG", "PLANAR_WHOLE") if key in os.environ}
     own = {"HOME": str(work), "BLENDER_USER_RESOURCES": str(work / "resources"), "LIBGL_ALWAYS_SOFTWARE": "1"}
     return {**keep, **own, "PYTHONDONTWRITEBYTECODE": "1"}
 
@@ -122,11 +122,15 @@ def main() -> int:
     parser.add_argument("--blender", required=True, help="a Blender 4.2 or newer")
     parser.add_argument("--extension", type=Path, help="the zip to install (default: the newest in dist/)")
     parser.add_argument("--core", action="store_true", help="only the files that are named CORE")
-    parser.add_argument("--alone", action="store_true", help="every file in a process of its own")
+    parser.add_argument(
+        "--whole", action="store_true", help="every file in a process of its own, and long stories to the end"
+    )
     parser.add_argument("--verbose", action="store_true", help="print all that Blender prints")
     parser.add_argument("files", nargs="*", type=Path, help="test files (default: all)")
     options = parser.parse_args()
 
+    if options.whole:
+        os.environ["PLANAR_WHOLE"] = "1"
     files = [file.resolve() for file in options.files] or sorted(HERE.glob("test_*.py"))
     if options.core:
         files = [file for file in files if file.stem.removeprefix("test_") in CORE]
@@ -137,7 +141,7 @@ def main() -> int:
         if not options.files:
             own = [check(options.blender, work) for check in (runner_notices_failures, files_are_apart)]
             passed, failed = own.count(True), own.count(False)
-        together = 1 if options.alone else TOGETHER
+        together = 1 if options.whole else TOGETHER
         groups = [files[i : i + together] for i in range(0, len(files), together)]
         while groups:
             group = groups.pop(0)

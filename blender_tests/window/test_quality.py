@@ -110,7 +110,7 @@ def test_colours_and_totals_follow_a_drag(window: Window) -> Iterator[None]:
     yield from sidebar(window)
     yield from show(window, "AREA")
     panel = window.region("UI")
-    totals = panel.x + panel.width // 2, panel.y + 75
+    middle, radius = (panel.x + panel.width // 2, panel.y + panel.height // 2), panel.width // 2
     yield from window.hover(window.pixel(RIGHT))
     yield from window.press()
     seen = []
@@ -119,7 +119,7 @@ def test_colours_and_totals_follow_a_drag(window: Window) -> Iterator[None]:
         yield from window.wait(0.5)
         assert window.busy == ["PLANAR_OT_drag_pins"]
         colour = mean(window, window.pixel((0.5 * (x - 1.5), 0.0, 0.2)))
-        seen.append((tuple(colour), tuple(window.colours(totals, 60))))
+        seen.append((tuple(colour), tuple(window.colours(middle, radius))))
     window.picture("quality-drag")
     yield from window.key("ESC")
     yield from window.release()
