@@ -77,19 +77,19 @@ class Window:
             yield
 
     def event(self, kind: str, value: str, **modifiers: bool) -> Iterator[None]:
-        x, y = self.mouse
-        self.window.event_simulate(type=kind, value=value, x=x, y=y, **modifiers)
+        self._simulate(kind, value, **modifiers)
         yield
+
+    def _simulate(self, kind: str, value: str, **more: bool | str) -> None:
+        x, y = self.mouse
+        self.window.event_simulate(type=kind, value=value, x=x, y=y, **more)
 
     def move(self, place: tuple[int, int], *, steps: int = 1, **modifiers: bool) -> Iterator[None]:
         """Move the mouse there on a straight line of so many events."""
         start = self.mouse
         for step in range(1, steps + 1):
             self.mouse = tuple(round(a + (b - a) * step / steps) for a, b in zip(start, place, strict=True))
-            self.window.event_simulate(
-                type="MOUSEMOVE", value="NOTHING", x=self.mouse[0], y=self.mouse[1], **modifiers
-            )
-            yield
+            yield from self.event("MOUSEMOVE", "NOTHING", **modifiers)
 
     def hover(self, place: tuple[int, int]) -> Iterator[None]:
         """Arrive there as a hand does: a gizmo lights up under a moving mouse, and is drawn after that."""
@@ -141,8 +141,7 @@ class Window:
         )
         for character in text:
             kind = {**names, ".": "PERIOD", "-": "MINUS"}[character]
-            x, y = self.mouse
-            self.window.event_simulate(type=kind, value="PRESS", unicode=character, x=x, y=y)
+            self._simulate(kind, "PRESS", unicode=character)
             yield
             yield from self.release(kind)
 
@@ -170,14 +169,17 @@ class Window:
         rows = range(region.y + 7, region.y + region.height, 14)
         last = self._button  # the next one is often near
         places = sorted(((x, y) for y in rows for x in columns), key=lambda place: abs(place[1] - last))
-        for place in places:
-            yield from self.move(place)
-            bpy.context.window_manager.clipboard = ""
-            yield from self.key("C", ctrl=True)  # copies the command of the button under the mouse
-            if bpy.context.window_manager.clipboard.startswith(f"bpy.ops.{operator}("):
+        manager = bpy.context.window_manager
+        for self.mouse in places:
+            manager.clipboard = ""
+            self._simulate("MOUSEMOVE", "NOTHING")
+            self._simulate("C", "PRESS", ctrl=True)  # copies the command of the button under the mouse
+            self._simulate("C", "RELEASE", ctrl=True)
+            yield  # once, as there are many places
+            if manager.clipboard.startswith(f"bpy.ops.{operator}("):
                 yield from self.release("LEFT_CTRL")  # else Blender's own mouse events still have it
-                self._button = place[1]
-                yield from self.click(place)
+                self._button = self.mouse[1]
+                yield from self.click(self.mouse)
                 return
         raise AssertionError(f"the sidebar shows no button of {operator}")
 

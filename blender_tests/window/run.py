@@ -26,7 +26,8 @@ HERE = Path(__file__).resolve().parent
 SCREEN = "1280x800x24"
 TIMEOUT = 600  # seconds a file: a minute on two idle cores, but they may be busy
 TOGETHER = 5  # files in a Blender process
-# What hands do in every shot, and what depends on Blender's windows most: with --core these files only.
+# What hands do in every shot, and what depends on Blender's windows most: with --only core these files, with
+# --only rest all others.
 CORE = ("cameras", "drag", "first_shot", "keys", "pins", "poses", "record", "ring", "tool_keys", "views")
 
 
@@ -121,7 +122,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Window tests of Planar Deform.")
     parser.add_argument("--blender", required=True, help="a Blender 4.2 or newer")
     parser.add_argument("--extension", type=Path, help="the zip to install (default: the newest in dist/)")
-    parser.add_argument("--core", action="store_true", help="only the files that are named CORE")
+    parser.add_argument("--only", choices=("core", "rest"), help="only the files that are named CORE, or not")
     parser.add_argument(
         "--whole", action="store_true", help="every file in a process of its own, and long stories to the end"
     )
@@ -132,8 +133,9 @@ def main() -> int:
     if options.whole:
         os.environ["PLANAR_WHOLE"] = "1"
     files = [file.resolve() for file in options.files] or sorted(HERE.glob("test_*.py"))
-    if options.core:
-        files = [file for file in files if file.stem.removeprefix("test_") in CORE]
+    if options.only:
+        wanted = options.only == "core"
+        files = [file for file in files if (file.stem.removeprefix("test_") in CORE) == wanted]
     passed = failed = 0
     with tempfile.TemporaryDirectory(prefix="planar-window-") as name:
         work = Path(name)
