@@ -17,6 +17,7 @@ from cutout import material
 from planar_deform.scene.sequence.pose_blocks import own_curve
 
 FPS = 24
+ON = 2  # on twos, as drawn films are: a picture for so many frames
 SAMPLES = 4
 HOLD = 5  # frames for which a pose stands
 CELL = 0.4  # of the film's size
@@ -72,14 +73,14 @@ def prepare(scene: bpy.types.Scene, view: View) -> None:
     scene.cycles.samples = SAMPLES
     render = scene.render
     render.film_transparent = False
-    render.fps = FPS
+    scene.frame_step, render.fps = ON, FPS // ON
     settings = render.image_settings
     if hasattr(settings, "media_type"):  # from 5.0
         settings.media_type = "VIDEO"
     settings.file_format, settings.color_mode = "FFMPEG", "RGB"
     render.ffmpeg.format, render.ffmpeg.codec = "MPEG4", "H264"
     render.ffmpeg.constant_rate_factor, render.ffmpeg.ffmpeg_preset = "HIGH", "GOOD"
-    render.ffmpeg.gopsize = FPS
+    render.ffmpeg.gopsize = FPS // ON
 
 
 def shoot(scene: bpy.types.Scene, path: Path, every: int) -> dict[int, Image.Image]:
@@ -98,7 +99,7 @@ def shoot(scene: bpy.types.Scene, path: Path, every: int) -> dict[int, Image.Ima
                 with Image.open(picture) as image:
                     size = (round(CELL * image.width), round(CELL * image.height))
                     kept[frame] = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
-            if frame % FPS == 0 or frame == last:
+            if (frame - first) % FPS == 0 or frame + ON > last:
                 seconds = time.perf_counter() - start
                 print(f"  film: frame {frame} of {last}, {seconds:.0f} s", file=screen, flush=True)
 
@@ -107,6 +108,7 @@ def shoot(scene: bpy.types.Scene, path: Path, every: int) -> dict[int, Image.Ima
             bpy.ops.render.render(animation=True)
         finally:
             bpy.app.handlers.render_write.remove(written)
+    scene.frame_step, scene.render.fps = 1, FPS  # the timeline is that of the poses
     scene.render.filepath = f"//{path.name}"  # beside the file that is saved
     return kept
 
