@@ -69,7 +69,9 @@ struct Report {
 ///
 /// 4. No triangle that lies as at rest is turned over, not even by rounding to float32: steps that would are
 /// shortened. Triangles that are inverted in the positions given to reset() have the foldover-free energy of
-/// [Garanzha21] until they come right.
+/// [Garanzha21] until they come right. Where they do not, and where those positions go round an inner vertex
+/// twice, which needs no inverted triangle and cannot be undone without one, the part begins anew from where
+/// the rest shape comes nearest to its handles' targets.
 ///
 /// 5. Triangles that nobody can see at rest, with an area below 1e-6 of the median one or an altitude below
 /// 1e-3 of the median one, have no J to speak of and get springs instead; they stop no step.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <complex>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "base/complex_rows.h"
@@ -35,6 +36,20 @@ Newton newton_at(const Rest& rest, const Mesh& mesh, const Springs& springs, con
   Newton newton(mesh, springs, stiffness, orientation, size);
   newton.set_energy(RestEnergy(rest, newton.system().matrix(), orientation.flat(), stiffness), 1.0);
   return newton;
+}
+
+/// Σ of the angles of the triangles at each vertex, n; of those that lie the other way round less.
+Eigen::VectorXd angle_sums(const Points& x, const Triangles& triangles) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(x.rows());
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Complex at = complex_row(x, triangles(t, corner));
+      const Complex next = complex_row(x, triangles(t, (corner + 1) % 3)) - at;
+      const Complex last = complex_row(x, triangles(t, (corner + 2) % 3)) - at;
+      sums[triangles(t, corner)] += std::arg(std::conj(next) * last);
+    }
+  }
+  return sums;
 }
 
 }  // namespace
@@ -73,10 +88,14 @@ void HoldMethod::PinSprings::add_hessian(MeshMatrix& matrix, double scale) const
 HoldMethod::HoldMethod(const Points& rest, const Triangles& triangles, const Orientation& orientation,
                        const Eigen::VectorXd& stiffness)
     : mesh_(rest.rows(), triangles),
+      orientation_(orientation),
+      rest_(rest),
+      angles_at_rest_(angle_sums(rest, triangles)),
       newton_(newton_at(rest, mesh_, springs_, orientation, stiffness, diameter(rest))) {}
 
 HoldMethod::HoldMethod(Mesh mesh, const RestOf& rest_of, const Orientation& orientation, double size)
     : mesh_(std::move(mesh)),
+      orientation_(orientation),
       free_(true),
       newton_(newton_at(rest_of, mesh_, springs_, orientation, {}, size)) {}
 
@@ -98,6 +117,7 @@ void HoldMethod::set_lines(std::vector<LineSpring> lines) {
 void HoldMethod::reset() noexcept {
   worker_.wait();
   newton_.system().forget();
+  unseen_ = true;
 }
 
 /// A bounded piece of work, after which the next factor is made while the caller goes on.
@@ -130,13 +150,17 @@ void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Po
     pin.position.setZero();
     for (const int row : pin.rows) pin.position += targets.row(row) / static_cast<double>(pin.rows.size());
   }
-  newton_.begin(x);
+  if (unseen_ && rest_.rows() != 0) {
+    begin_from_rest(knotted(x), x);
+    may_be_tangled_ = orientation_.count_flipped(x) > 0;
+  }
+  unseen_ = false;
   try {
-    const bool underway = follow_rigidly(budget.limit, x);
-    const Newton::Outcome outcome = newton_.descend(budget, x);
-    report.iterations = outcome.iterations;
-    report.substeps = outcome.steps;
-    report.converged = outcome.converged && !underway;
+    descend_from(budget, x, report);
+    if (may_be_tangled_ && (report.converged || !budget.ahead)) {
+      if (begin_from_rest(tangled(x), x)) descend_from(budget, x, report);
+      may_be_tangled_ = false;
+    }
   } catch (...) {
     newton_.system().forget();
     throw;
@@ -149,6 +173,58 @@ void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Po
   } else {
     task();
   }
+}
+
+void HoldMethod::descend_from(const Newton::Budget& budget, Points& x, Report& report) {
+  newton_.begin(x);
+  const bool underway = follow_rigidly(budget.limit, x);
+  const Newton::Outcome outcome = newton_.descend(budget, x);
+  report.iterations += outcome.iterations;
+  report.substeps += outcome.steps;
+  report.converged = outcome.converged && !underway;
+}
+
+/// Flags of the parts that go round one of their inner vertices more often than at rest. Descents keep that
+/// as it is: no triangle needs to be turned over there, and none may be on the way out.
+std::vector<char> HoldMethod::knotted(const Points& x) const {
+  std::vector<char> result(at(mesh_.n_parts));
+  const Eigen::VectorXd angles = angle_sums(x, mesh_.triangles);
+  for (int v = 0; v < mesh_.n_vertices; ++v) {
+    if (mesh_.interior[at(v)] && std::abs(angles[v]) > std::abs(angles_at_rest_[v]) + std::numbers::pi) {
+      result[at(mesh_.part[at(v)])] = 1;
+    }
+  }
+  return result;
+}
+
+/// Flags of the parts that are knotted or have triangles that lie the other way round than at rest.
+std::vector<char> HoldMethod::tangled(const Points& x) const {
+  std::vector<char> result = knotted(x);
+  const Flags flipped = orientation_.flipped(x);
+  for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
+    if (flipped[at(t)]) result[at(mesh_.part[at(mesh_.triangles(t, 0))])] = 1;
+  }
+  return result;
+}
+
+/// Puts parts to where the rest shape comes nearest to the targets of their pins; false if there are none.
+bool HoldMethod::begin_from_rest(const std::vector<char>& parts, Points& x) {
+  std::vector<PointPair> pairs;
+  for (const Pin& pin : springs_.pins) {
+    if (!parts[at(pin.part)]) continue;
+    pairs.push_back(
+        {pin.part, pin.strength, complex_point(pinned_point(pin, rest_)), complex_point(pin.position)});
+  }
+  if (pairs.empty()) return false;
+  const std::vector<RigidMotion> motions = fit_rigid_motions(mesh_.n_parts, pairs);
+  for (int v = 0; v < mesh_.n_vertices; ++v) {
+    const int part = mesh_.part[at(v)];
+    if (part < 0 || !parts[at(part)] || !newton_.system().is_active(v)) continue;
+    const Complex p = motions[at(part)].at(complex_row(rest_, v));
+    x.row(v) << p.real(), p.imag();
+  }
+  newton_.system().forget();
+  return true;
 }
 
 /// Takes the parts along with their pins where that is a rigid motion for the most part, no vertex further

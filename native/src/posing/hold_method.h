@@ -57,15 +57,24 @@ class HoldMethod final : public PosingMethod {
 
   Newton::Budget two_steps(double limit) const;
   void descend(const Points& targets, const Newton::Budget& budget, Points& x, Report& report);
+  void descend_from(const Newton::Budget& budget, Points& x, Report& report);
   bool follow_rigidly(double limit, Points& x);
+  std::vector<char> knotted(const Points& x) const;
+  std::vector<char> tangled(const Points& x) const;
+  bool begin_from_rest(const std::vector<char>& parts, Points& x);
 
   Mesh mesh_;
+  const Orientation& orientation_;
+  Points rest_;  ///< n×2, or 0×2 where triangles do not fit together
+  Eigen::VectorXd angles_at_rest_;
   bool free_ = false;  ///< parts without handles relax
   PinSprings springs_;
   Newton newton_;
   Points trial_;
-  Points ahead_;   ///< where the next factor is made
-  Worker worker_;  ///< last, so that its thread ends before what it uses
+  Points ahead_;                 ///< where the next factor is made
+  bool unseen_ = false;          ///< x comes from elsewhere: it may be knotted
+  bool may_be_tangled_ = false;  ///< as it was turned over in part, and has not been seen to come right since
+  Worker worker_;                ///< last, so that its thread ends before what it uses
 };
 
 }  // namespace planar

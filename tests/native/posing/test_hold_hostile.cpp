@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "mesh/triangle_shape.h"
 #include "planar/distortion.h"
@@ -119,6 +120,39 @@ TEST(HoldRepair, FlippedTrianglesComeRight) {
   }
   EXPECT_LT((poser.settle() - shape.vertices).cwiseAbs().maxCoeff(), 1e-4);
   EXPECT_EQ(poser.report().flipped, 0);
+}
+
+TEST(HoldRepair, AKnotWithoutInvertedTrianglesBeginsAnew) {
+  // A disk of rings about a vertex, and the same going round it twice.
+  constexpr int rings = 4, spokes = 12;
+  Shape disk{Points::Zero(1 + rings * spokes, 2), Triangles(spokes * (2 * rings - 1), 3)};
+  Points knotted = disk.vertices;
+  int t = 0;
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int spoke = 0; spoke < spokes; ++spoke) {
+      const int next = (spoke + 1) % spokes, v = 1 + ring * spokes, before = v - spokes;
+      const double angle = 2.0 * std::numbers::pi * spoke / spokes;
+      disk.vertices.row(v + spoke) << (ring + 1) * std::cos(angle), (ring + 1) * std::sin(angle);
+      knotted.row(v + spoke) << (ring + 1) * std::cos(2.0 * angle), (ring + 1) * std::sin(2.0 * angle);
+      disk.triangles.row(t++) << (ring == 0 ? 0 : before + spoke), v + spoke, v + next;
+      if (ring > 0) disk.triangles.row(t++) << before + spoke, v + next, before + next;
+    }
+  }
+  const int rim = 1 + (rings - 1) * spokes;
+  const Handles handles = at(disk, {rim, rim + 3, rim + 6, rim + 9});
+  Points targets = handles.positions(disk.vertices);
+  targets.row(1) += Eigen::RowVector2d(0.9, 0.4);
+  const auto settled = [&](const Points& start) {
+    Poser poser(disk.vertices, disk.triangles);
+    poser.set_handles(handles);
+    poser.reset(start);
+    EXPECT_EQ(poser.report().flipped, 0);
+    poser.move(targets);
+    poser.settle();
+    EXPECT_TRUE(poser.report().converged);
+    return poser.positions();
+  };
+  EXPECT_LT((settled(knotted) - settled(disk.vertices)).cwiseAbs().maxCoeff(), 1e-3);
 }
 
 TEST(HoldRepair, AMirroredStartIsReportedIfItCannotBeRepaired) {
