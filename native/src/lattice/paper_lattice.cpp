@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "lattice/anderson.h"
 #include "lattice/lattice_frame.h"
 #include "lattice/sub_cells.h"
+#include "linear/anderson.h"
 
 namespace planar {
 
@@ -16,8 +16,7 @@ constexpr int sample_parts_2d = 4, sample_parts_3d = 2;  // of a cell along each
 constexpr double worth_sampling = 0.25;                  // of the rings: more samples are not worth it
 constexpr int move_budget = 4;
 constexpr int settle_budget = 1000;
-constexpr std::size_t window = 8;  // of Anderson's acceleration
-constexpr double settled = 1e-6;   // of the size: a change of the points after which nothing is left to do
+constexpr double settled = 1e-6;  // of the size: a change of the points after which nothing is left to do
 
 }  // namespace
 
@@ -90,42 +89,29 @@ typename PaperLattice<D>::Outcome PaperLattice<D>::settle(const LatticeSprings<D
   return iterate(*exact_, springs, settle_budget, pose);
 }
 
-/// Accelerated; a step that led up is taken back for the plain one [Peng18].
 template <int D>
 typename PaperLattice<D>::Outcome PaperLattice<D>::iterate(PaperSystem<D>& system,
                                                            const LatticeSprings<D>& springs, int budget,
                                                            LatticePose<D>& pose) {
-  Outcome outcome;
-  Anderson anderson(window);
   Rows<D>& d = pose.d;
-  Rows<D> mapped, plain;  // of d; of the one before, which is where the alternation itself would be
-  double last = 0.0;
+  Rows<D> mapped;
   const auto flat = [](const Rows<D>& rows) {
     return Eigen::Map<const Eigen::VectorXd>(rows.data(), rows.size());
   };
-  bool accelerated = false;
-  while (outcome.iterations < budget && !outcome.converged) {
-    ++outcome.iterations;
+  const auto step = [&](const Eigen::VectorXd& at, Eigen::VectorXd& result) {
+    d = Eigen::Map<const Rows<D>>(at.data(), d.rows(), D);
     const double energy = system.step(springs, d, &mapped);
-    const bool finite = std::isfinite(energy) && mapped.allFinite();
-    if (accelerated && !(finite && energy <= last)) {
-      d = plain;
-      accelerated = false;
-      anderson.restart();
-      continue;
-    }
-    if (!finite) throw SolveError("the energy is not finite: the targets are too far away");
-    last = energy;
-    plain = mapped;
-    outcome.converged = std::sqrt((mapped - d).rowwise().squaredNorm().maxCoeff()) <= settled * size_;
-    const Eigen::VectorXd next = anderson.next(flat(d), flat(mapped));
-    d = Eigen::Map<const Rows<D>>(next.data(), d.rows(), D);
-    accelerated = true;
-  }
-  // The last one was not looked at: it is the plain one that is known to lead down.
-  if (accelerated) d = plain;
+    result = flat(mapped);
+    return energy;
+  };
+  const auto small = [&](const Eigen::VectorXd&, const Eigen::VectorXd&) {
+    return std::sqrt((mapped - d).rowwise().squaredNorm().maxCoeff()) <= settled * size_;
+  };
+  Eigen::VectorXd x = flat(d);
+  const FixedPointOutcome outcome = accelerate(step, small, budget, x);
+  d = Eigen::Map<const Rows<D>>(x.data(), d.rows(), D);
   product<D>(weights_, d, pose.u);
-  return outcome;
+  return {outcome.iterations, outcome.converged};
 }
 
 template class PaperLattice<2>;

@@ -45,7 +45,7 @@ class ArapMethod final : public PosingMethod {
   std::vector<char> pinned_, determined_;   ///< by part: has pins; its pins say how it is to be turned
   std::vector<Eigen::RowVector2d> centre_;  ///< by part: the mean target
   std::vector<Eigen::RowVector2d> start_;   ///< by part: where the mean target is at rest
-  std::vector<std::complex<double>> numbers_, before_;
+  std::vector<std::complex<double>> numbers_;
 };
 
 }  // namespace planar

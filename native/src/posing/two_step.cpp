@@ -169,23 +169,36 @@ void TwoStep::adjust_scale(const std::vector<Pin>& pins, std::vector<Complex>& x
   solve_for_edges(pins, x);
 }
 
-void TwoStep::iterate(const std::vector<Pin>& pins, std::vector<Complex>& x) {
+double TwoStep::iterate(const std::vector<Pin>& pins, std::vector<Complex>& x) {
+  double energy = 0.0;
   std::fill(wanted_.begin(), wanted_.end(), 0.0);
   for (const Triangle& triangle : triangles_) {
     Complex sum = 0.0;
+    std::array<Complex, 3> side;
     for (std::size_t c = 0; c < 3; ++c) {
       const EdgeNeighbourhood& hood = hoods_[at(triangle.edge[c])];
-      sum += triangle.weight[c] *
-             product(std::conj(triangle.rest[c]), x[at(hood.vertex[1])] - x[at(hood.vertex[0])]);
+      side[c] = x[at(hood.vertex[1])] - x[at(hood.vertex[0])];
+      sum += triangle.weight[c] * product(std::conj(triangle.rest[c]), side[c]);
     }
     const Complex turn = turned(1.0, sum);
-    for (std::size_t c = 0; c < 3; ++c)
-      wanted_[at(triangle.edge[c])] += triangle.weight[c] * product(turn, triangle.rest[c]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Complex wanted = product(turn, triangle.rest[c]);
+      energy += triangle.weight[c] * std::norm(side[c] - wanted);
+      wanted_[at(triangle.edge[c])] += triangle.weight[c] * wanted;
+    }
   }
   for (std::size_t k = n_edges_; k < hoods_.size(); ++k) {
-    wanted_[k] = brace_weight * turned(hoods_[k].edge, hoods_[k].fitted(x.data()));
+    const Complex wanted = turned(hoods_[k].edge, hoods_[k].fitted(x.data()));
+    energy += brace_weight * std::norm(x[at(hoods_[k].vertex[1])] - x[at(hoods_[k].vertex[0])] - wanted);
+    wanted_[k] = brace_weight * wanted;
+  }
+  for (const Pin& pin : pins) {
+    Complex left = -complex_point(pin.position);
+    for (std::size_t c = 0; c < pin.n_corners; ++c) left += pin.weight[c] * x[at(pin.vertex[c])];
+    energy += pin.strength * std::norm(left);
   }
   solve_for_edges(pins, x);
+  return energy;
 }
 
 /// x of least Σ weight |(v_j - v_i) - wanted/weight|² + Σ strength |pin - target|².

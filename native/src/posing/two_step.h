@@ -49,10 +49,10 @@ class TwoStep {
   /// Step 2, from the result of the first one; an edge whose T is 0 keeps its direction at rest.
   void adjust_scale(const std::vector<Pin>& pins, std::vector<std::complex<double>>& x);
 
-  /// An iteration of Σ_t Σ_{sides of t} w/(triangles of the side) |(v_j - v_i) - R_t e|² + Σ strength |pin -
-  /// target|² with a rotation R_t a triangle: the best rotations for x, then the best x for these [Liu08]. It
-  /// has the matrix of step 2.
-  void iterate(const std::vector<Pin>& pins, std::vector<std::complex<double>>& x);
+  /// An iteration of E(x) = Σ_t Σ_{sides of t} w/(triangles of the side) |(v_j - v_i) - R_t e|² + Σ strength
+  /// |pin - target|² with a rotation R_t a triangle: the best rotations for x, then the best x for these
+  /// [Liu08]. It has the matrix of step 2. \return E(x), braces included, before the iteration
+  double iterate(const std::vector<Pin>& pins, std::vector<std::complex<double>>& x);
 
  private:
   /// A matrix over the vertices in an order that keeps its factor sparse.

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "dense.h"
-#include "lattice/anderson.h"
 #include "lattice/lattice_springs.h"
 #include "lattice/lattice_support.h"
 #include "lattice/nearest_rotation.h"
@@ -313,15 +312,6 @@ TEST(PaperLattice, EdgesAloneAndFlatModelsInSpaceWork) {
   solver.settle();
   EXPECT_TRUE(solver.positions().allFinite());
   EXPECT_LT(solver.report().furthest_handle, 0.2);
-}
-
-TEST(Anderson, SolvesALinearFixedPointInAsManyStepsAsItHasDimensions) {
-  const Eigen::MatrixXd m = 0.95 * Eigen::MatrixXd(random_coordinates(5, 5, 3)) / 2.0;
-  const Eigen::VectorXd b = random_coordinates(5, 1, 4);
-  Anderson anderson(8);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(5);
-  for (int i = 0; i < 7; ++i) x = anderson.next(x, m * x + b);
-  EXPECT_LT((m * x + b - x).norm(), 1e-9);
 }
 
 }  // namespace
