@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Table of how surfaces are laid flat: the two steps, "hold", and libigl's ARAP and SLIM."""
+"""Table of how surfaces are laid flat: two steps, "hold", libigl's ARAP and SLIM, Blender's own unwrap."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,14 +18,17 @@ from figures_data import Shape
 
 import planar_native
 
-BPY = Path(__file__).resolve().parents[1] / ".venv" / "bin" / "python"
+PROJECT = Path(__file__).resolve().parents[1]
+BPY = PROJECT / ".venv" / "bin" / "python"
+UNWRAPPING = "4.5.15"  # the oldest bpy with the unwrap of minimum stretch
 ITERATIONS = 50  # of libigl's
 ROUNDS = 3  # of the timings; the median counts
 
 FLATTENING = f"""\
 Flattening: area / angle distortion (2 is none), flips as float32, ms (median of {ROUNDS} rounds that take
 turns). libigl's ARAP and SLIM: {ITERATIONS} iterations from its harmonic map, whose time counts. SLIM's
-energy is hold's."""
+energy is hold's. Blender's unwrap: that of {UNWRAPPING}, scaled to the surface's area, timed afterwards."""
+UNWRAPS = {"ANGLE_BASED": "Blender, angle based", "MINIMUM_STRETCH": "Blender, minimum stretch"}
 
 # Half of Blender's monkey without its eye: the part right of the middle, subdivided and smoothed.
 MONKEY = """
@@ -174,26 +178,54 @@ METHODS: dict[str, Callable[[Surface], np.ndarray]] = {
 }
 
 
+Found = tuple[float, float, int, float]  # area and angle distortion, flips, ms
+
+
+def blender_unwraps(surfaces: list[Surface]) -> list[dict[str, Found]]:
+    """What Blender's own unwrap makes of each surface; nothing where there is no such Blender."""
+    with tempfile.TemporaryDirectory(dir=PROJECT / "build") as folder:  # a Debian room has it, too
+        place = Path(folder)
+        for number, surface in enumerate(surfaces):
+            np.savez(place / f"{number}.npz", vertices=surface.vertices, triangles=surface.triangles)
+        inside = str(place.relative_to(PROJECT))
+        command = ["tools/with_bpy.sh", UNWRAPPING, "benchmarks/blender_unwrap.py", inside, inside]
+        done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            print(f"Blender {UNWRAPPING} cannot be had here: {done.stderr.strip().splitlines()[-1:]}")
+            return [{} for _ in surfaces]
+        seconds = json.loads((place / "seconds.json").read_text())
+
+        def found(surface: Surface, name: str) -> Found:
+            return *distortion(surface, np.load(place / f"{name}.npy")), 1e3 * seconds[name]
+
+        return [
+            {title: found(surface, f"{number}-{method}") for method, title in UNWRAPS.items()}
+            for number, surface in enumerate(surfaces)
+        ]
+
+
 def flatten_table(_: list[Shape]) -> bool:
     print(FLATTENING)
     conditions = Conditions()
     surfaces = [cap(60, 41), cap(120, 41), *half_monkey(), *(rugged(seed) for seed in range(3))]
-    print(f"{'':14}{'triangles':>10} " + " ".join(f"{name:>28}" for name in METHODS))
-    for surface in surfaces:
-        found, seconds = {}, {name: [] for name in METHODS}
+    for surface, unwraps in zip(surfaces, blender_unwraps(surfaces), strict=True):
+        flat, seconds = {}, {name: [] for name in METHODS}
         for _round in range(ROUNDS):
             for name, method in METHODS.items():
                 start = time.perf_counter()
-                flat = method(surface)
+                flat[name] = method(surface)
                 seconds[name].append(time.perf_counter() - start)
-                found[name] = distortion(surface, flat)
-        ms = {name: 1e3 * float(np.median(values)) for name, values in seconds.items()}
-        texts = [f"{a:8.4f}/{b:8.4f}{flips:4}{ms[name]:7.0f}" for name, (a, b, flips) in found.items()]
-        print(f"{surface.name:14}{len(surface.triangles):10} " + " ".join(texts), flush=True)
-        hold, slim = found["hold"], found["libigl SLIM"]
+        found: dict[str, Found] = {
+            name: (*distortion(surface, flat[name]), 1e3 * float(np.median(seconds[name])))
+            for name in METHODS
+        }
+        print(f"{surface.name}, {len(surface.triangles)} triangles")
+        for name, (area, angle, flips, ms) in (found | unwraps).items():
+            print(f"  {name:25}{area:8.4f} /{angle:8.4f}{flips:5}{ms:8.0f}", flush=True)
+        hold, arap, slim = found["hold"], found["libigl ARAP"], found["libigl SLIM"]
         conditions.check(f"{surface.name}: {hold[2]} flips with hold", hold[2] == 0)
         conditions.check(
             f"{surface.name}: hold distorts more than SLIM", sum(hold[:2]) <= 1.0005 * sum(slim[:2])
         )
-        conditions.check(f"{surface.name}: hold is slower than ARAP", ms["hold"] <= ms["libigl ARAP"])
+        conditions.check(f"{surface.name}: hold is slower than ARAP", hold[3] <= arap[3])
     return conditions.conclude()
