@@ -374,6 +374,9 @@ class PlanarSettings(bpy.types.PropertyGroup):
         update=_set_live_uv,
         options=NOT_ANIMATED,
     )
+    # A lattice as it was last seen, see objects/lattice_edits.py.
+    seen_basis: FloatVectorProperty(size=16, options={"HIDDEN"})
+    seen_sums: FloatVectorProperty(size=24, options={"HIDDEN"})
     # What the point cache was baked from, see motion/cache_age.py.
     cache_stamp: StringProperty(options={"HIDDEN"})
 

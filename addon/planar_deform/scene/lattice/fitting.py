@@ -13,6 +13,7 @@ from mathutils.kdtree import KDTree
 from ...errors import Refusal
 from ...model.lattice.fitting import fitted_box
 from ...model.plane.frame import Array, mapped, plane_frame
+from ..objects import lattice_edits
 from ..objects.adding import link_beside, select_alone
 from ..objects.flat_object import data_refusal, is_flat, linear_of, origin_of
 from ..objects.modifiers import of_lattice
@@ -93,6 +94,7 @@ def fit(
     lattice.matrix_world = Matrix.LocRotScale(mapped(centre[None, :], axes.T.copy())[0], turn, size)
     for obj in objects:
         add_modifier(obj, lattice)
+    lattice_edits.see(lattice)
     select_alone(context, lattice)
     return lattice
 
