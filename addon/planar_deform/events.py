@@ -43,15 +43,22 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
                 changes.tell(changed[-1])
     for obj in dict.fromkeys(changed):
         follow.match(obj)
+        follow.match_uv_map(obj, depsgraph)
         live_targets.note(obj)
     stiffness.changed()
     live_targets.changed()
 
 
 def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    for update in depsgraph.updates:
-        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
-            changes.tell(update.id.original, frame=True)
+    changed = [
+        update.id.original
+        for update in depsgraph.updates
+        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object)
+    ]
+    for obj in changed:
+        changes.tell(obj, frame=True)
+        if depsgraph.mode == "VIEWPORT":
+            follow.match_uv_map(obj, depsgraph)
     follow.activate_shown_pose(scene, depsgraph)
     if depsgraph.mode == "VIEWPORT":
         live_targets.changed()

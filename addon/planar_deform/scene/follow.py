@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from .flatten import pushing
 from .objects import lattice_edits
 from .pins import following, lattice_places
 from .pins.pin_list import has_pins, sync
@@ -24,6 +25,20 @@ def match(obj: bpy.types.Object) -> None:
         _match_lattice_itself(obj)
     else:
         _match_mesh(obj)
+
+
+def match_uv_map(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
+    """After an update or a change of the frame: with Live UV on the surface's map follows its flat mesh.
+
+    A drag takes it along by itself.
+    """
+    if obj.type != "MESH" or obj.library is not None or not obj.is_property_set("planar"):
+        return
+    if not obj.planar.live_uv or migration.is_newer(obj) or snapshot.following(obj):
+        return
+    told = pushing.follow(obj, depsgraph)
+    if told is not None:
+        tell(told, title="Live UV Off")
 
 
 def _match_lattice_itself(obj: bpy.types.Object) -> None:

@@ -43,7 +43,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
             column.prop(settings, "show_mesh")
             row = layout.row(align=True)
             row.operator("planar.reset_to_rest")
-            row.operator("planar.set_rest_to_current", text="Set as Rest")
+            row.operator("planar.set_rest_to_current")
         row = layout.row(align=True)
         row.operator("planar.reset_selected_pins")
         row.operator("planar.settle_pose")
