@@ -171,7 +171,8 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
     bl_idname = "planar.refresh_from_surface"
     bl_label = "Refresh from Surface"
     bl_description = (
-        "Lay the edited surface flat again; pins stay, and a pose is solved again from the new shape"
+        "Lay the edited surface flat again; pins stay, a pose is solved again from the new shape, and keyed "
+        "poses are carried over to it"
     )
 
     @classmethod
@@ -183,9 +184,11 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
         refresh = refreshing.Refresh(context.object, self.settings())
         return Job(partial(self._write, refresh), refresh.solve)
 
-    def _write(self, refresh: refreshing.Refresh, rest: Array32) -> Generator[float, None, None]:
+    def _write(
+        self, refresh: refreshing.Refresh, new: tuple[Array32, refreshing.Shapes]
+    ) -> Generator[float, None, None]:
         yield 0.0
-        refresh.write(rest)
+        refresh.write(new)
         obj = bpy.context.object
         try:
             if refresh.posed and any(pin.enabled for pin in obj.planar.pins):

@@ -6,6 +6,8 @@ What takes poses and in-betweens along alike leaves them so.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import bpy
 
 from . import pose_state, stretches
@@ -16,7 +18,7 @@ _seen: dict[int, dict[int, bool]] = {}
 
 def see(obj: bpy.types.Object) -> None:
     """Remember what is up to date of an object now."""
-    _seen[obj.session_uid] = _found(obj)
+    _seen[obj.session_uid] = found(obj)
 
 
 def seen(obj: bpy.types.Object) -> dict[int, bool]:
@@ -25,8 +27,13 @@ def seen(obj: bpy.types.Object) -> dict[int, bool]:
 
 
 def carry(obj: bpy.types.Object) -> None:
-    """All poses and in-betweens have been taken along alike: what was up to date stays so."""
-    for pose, by_hand in seen(obj).items():
+    """All poses and in-betweens have been taken along alike: what was up to date when seen stays so."""
+    mark(obj, seen(obj))
+
+
+def mark(obj: bpy.types.Object, fresh: Mapping[int, bool]) -> None:
+    """What is generated behind these poses belongs to them as they are now."""
+    for pose, by_hand in fresh.items():
         stretches.mark(obj, [pose], edited=by_hand)
 
 
@@ -35,7 +42,8 @@ def forget() -> None:
     _seen.clear()
 
 
-def _found(obj: bpy.types.Object) -> dict[int, bool]:
+def found(obj: bpy.types.Object) -> dict[int, bool]:
+    """Behind which poses in-betweens are up to date now, and whether these have been edited."""
     if not (pose_state.is_ours(obj) and stretches.has_inbetweens(obj)):
         return {}
     stale = {first for first, _ in stretches.stale(obj)}
