@@ -18,7 +18,7 @@ from ..pins import pin_list
 from ..sequence import pose_state, up_to_date
 from ..storage import points
 from .flat_mesh import upright
-from .link import CORNER, Link, is_flat_mesh, numbers_of, renewed, write_numbers
+from .link import CORNER, Link, is_flat_mesh, numbers_of, read_link, write_numbers
 from .pattern import patches_of
 from .pushing import shown_places
 from .surface import Surface, places_of
@@ -57,7 +57,7 @@ class Refresh:
         if pose_state.unkeyed(obj):
             raise Refusal("The pose shown is not keyed: use Key Pose, or change the frame first")
         shown_places(obj)  # refuses what does not lie in its plane
-        link = renewed(obj)
+        link = read_link(obj, renewed=True)
         self._object, self._settings = (obj.name, obj.session_uid), settings
         self._corners: Indices = link.corners
         self._surface, self._rows = _surface(obj, link)
