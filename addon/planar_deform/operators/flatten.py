@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..errors import ObjectGone, Refusal
-from ..model.flatten.flattening import Flat, Settings, turned_over
+from ..model.flatten.flattening import Flat, Settings, lengths_kept, turned_over
 from ..model.plane.frame import Array32
 from ..scene.flatten import flat_mesh, pattern, pushing, refreshing, surface, uv_maps
 from ..scene.flatten.link import is_flat_mesh
@@ -39,6 +39,8 @@ WEIGHTS = (
     ("COTANGENT", "Cotangent", "By the angles opposite to each edge"),
     ("UNIFORM", "Uniform", "All edges alike"),
 )
+EXACT = 0.01  # of an edge's length: what nobody sees
+BADLY = 2.0  # the longest edge against the shortest one, both by what they should be
 
 
 class Flattening(LongOperator):
@@ -121,7 +123,12 @@ class PLANAR_OT_flatten(Flattening, bpy.types.Operator):
 
     def _summary(self, found: surface.Surface, flat: Flat) -> str:
         count = found.patches.count
-        told = f"{count} patch{'es' if count > 1 else ''} laid flat"
+        least, most = lengths_kept(found.places, flat.places, found.patches.triangles)
+        exact = least > 1.0 - EXACT and most < 1.0 + EXACT
+        scale = "true to scale" if exact else f"edges {least:.2f} to {most:.2f} times as long as they are"
+        told = f"{count} patch{'es' if count > 1 else ''} laid flat, {scale}"
+        if most > BADLY * least:
+            told += ": more seams distort less"
         over = turned_over(flat.places, found.patches.triangles) if self.method == "TWO_STEP" else 0
         return f"{told}; {over} triangles are turned over: Hold Shape has none" if over else told
 
