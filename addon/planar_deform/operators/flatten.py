@@ -125,7 +125,9 @@ class PLANAR_OT_flatten(Flattening, bpy.types.Operator):
         count = found.patches.count
         least, most = lengths_kept(found.places, flat.places, found.patches.triangles)
         exact = least > 1.0 - EXACT and most < 1.0 + EXACT
-        scale = "true to scale" if exact else f"edges {least:.2f} to {most:.2f} times as long as on the surface"
+        scale = (
+            "true to scale" if exact else f"edges {least:.2f} to {most:.2f} times as long as on the surface"
+        )
         told = f"{count} patch{'es' if count > 1 else ''} laid flat, {scale}"
         if most > BADLY * least:
             told += ": more seams distort less"

@@ -210,7 +210,9 @@ def test_how_much_lengths_are_kept_is_told(capfd):
     flat = flatten(obj)
     ratios = stretches(obj, flat)
     told = capfd.readouterr().out
-    assert f"laid flat, edges {ratios.min():.2f} to {ratios.max():.2f} times as long as on the surface" in told
+    assert (
+        f"laid flat, edges {ratios.min():.2f} to {ratios.max():.2f} times as long as on the surface" in told
+    )
     assert "more seams distort less" in told
     flatten(cap(angle=0.9))
     assert "more seams" not in capfd.readouterr().out

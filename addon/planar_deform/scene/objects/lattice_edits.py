@@ -8,6 +8,8 @@ where its points have been moved as much as its transform was given up, both are
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -112,9 +114,16 @@ def _reference(obj: bpy.types.Object) -> Array32:
 
 def _sums(shape: Array32) -> Array32:
     """Weighted means of the points, all of which an affine map of the points takes along (SUMS x 3)."""
-    weights = 1.0 + np.sin(np.outer(np.arange(1, SUMS + 1), np.arange(len(shape))))
-    sums: Array32 = (weights @ shape / weights.sum(axis=1, keepdims=True)).astype(np.float32)
+    sums: Array32 = mapped(shape.astype(np.float64).T, _weights(len(shape))).T.astype(np.float32)
     return sums
+
+
+@lru_cache(maxsize=4)
+def _weights(count: int) -> Array:
+    """Any that are all different; each row adds up to 1."""
+    weights = 1.0 + np.sin(np.outer(np.arange(1, SUMS + 1), np.arange(count)))
+    shares: Array = weights / weights.sum(axis=1, keepdims=True)
+    return shares
 
 
 def _flat(matrix: object) -> Array32:
