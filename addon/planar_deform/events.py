@@ -16,7 +16,7 @@ from .operators import live_targets, stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.lattice import reaching, rig
-from .scene.objects import triangulation
+from .scene.objects import lattice_edits, triangulation
 from .scene.pins import following
 from .scene.sequence import pose_showing
 from .scene.storage import changes, digests, migration
@@ -28,27 +28,37 @@ CLASSES = ()
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Blender has evaluated something anew.
 
-    Called for every movement of anything, so nothing is asked of an object that has only moved.
+    Called for every movement of anything, so nothing is asked of an object that has only moved, unless it is
+    a lattice.
     """
     pose_showing.keep_brought_back()
-    changed = []  # objects of which more than the transform may be another one
+    changed = []  # objects of which more than the transform may be another one, and lattices
     for update in depsgraph.updates:
+        if not isinstance(update.id, bpy.types.Object):
+            continue
         shape = update.is_updated_geometry
-        if (shape or update.is_updated_shading) and isinstance(update.id, bpy.types.Object):
+        if shape or update.is_updated_shading or update.id.type == "LATTICE":
             changed.append(update.id.original)
             if shape:
                 changes.tell(changed[-1])
     for obj in dict.fromkeys(changed):
-        follow.match_mesh(obj)
+        follow.match(obj)
+        follow.match_uv_map(obj, depsgraph)
         live_targets.note(obj)
     stiffness.changed()
     live_targets.changed()
 
 
 def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    for update in depsgraph.updates:
-        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
-            changes.tell(update.id.original, frame=True)
+    changed = [
+        update.id.original
+        for update in depsgraph.updates
+        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object)
+    ]
+    for obj in changed:
+        changes.tell(obj, frame=True)
+        if depsgraph.mode == "VIEWPORT":
+            follow.match_uv_map(obj, depsgraph)
     follow.activate_shown_pose(scene, depsgraph)
     if depsgraph.mode == "VIEWPORT":
         live_targets.changed()
@@ -73,7 +83,7 @@ def _before_load(*_: object) -> None:
 def _after_load(*_: object) -> None:
     _on_new_data()
     for obj in bpy.data.objects:
-        follow.match_mesh(obj)
+        follow.match(obj)
     live_targets.note_all()
 
 
@@ -98,6 +108,7 @@ RESET: tuple[Callable[[], None], ...] = (
     stiffness.forget,
     live_targets.forget,
     following.forget,
+    lattice_edits.forget,
 )
 
 

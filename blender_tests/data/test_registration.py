@@ -128,5 +128,5 @@ def test_every_operator_has_a_description_and_a_tidy_label():
         rna = getattr(bpy.ops.planar, name).get_rna_type()
         assert rna.description
         assert not rna.description.endswith(".")
-        small = {"from", "to", "in", "the", "of"}
+        small = {"as", "from", "to", "in", "the", "of"}
         assert all(word[0].isupper() or word in small for word in rna.name.split())

@@ -85,6 +85,57 @@ def test_selected_faces_are_laid_flat_from_the_uv_menu_and_undone(window: Window
     assert not bpy.data.objects["Tube"].data.uv_layers
 
 
+def bumpy(side: int = 160) -> bpy.types.Object:
+    """A bumpy sheet, imported as the tube is: laying it flat takes a while."""
+    x, y = np.meshgrid(np.linspace(-1.0, 1.0, side), np.linspace(-1.0, 1.0, side))
+    places = np.stack([x, y, 0.2 * np.sin(9.0 * x) * np.sin(7.0 * y)], axis=-1).reshape(-1, 3)
+    first = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    faces = np.stack([first, first + 1, first + side + 1, first + side], axis=1)
+    mesh = bpy.data.meshes.new("Bumpy")
+    mesh.from_pydata(places.tolist(), [], faces.tolist())
+    obj = bpy.data.objects.new("Bumpy", mesh)
+    bpy.context.collection.objects.link(obj)
+    obj.rotation_euler, obj.scale = (np.pi / 2, 0.0, 0.0), (2.0, 2.0, 2.0)
+    activate(obj)
+    return obj
+
+
+def test_escape_and_the_right_button_end_flatten_with_everything_as_it_was(window: Window) -> Iterator[None]:
+    obj = bumpy()
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.look("FRONT")
+    yield from window.hover(window.pixel((0.0, 0.0, 0.0)))
+    before, meshes, drawn = sorted(bpy.data.objects.keys()), sorted(bpy.data.meshes.keys()), shape()
+    for mode, to, way_out in (("OBJECT", "MESH", "ESC"), ("EDIT", "UV", "RIGHTMOUSE")):
+        bpy.ops.object.mode_set(mode=mode)
+        bpy.ops.ed.undo_push(message="Mode")
+        with window.context():
+            assert bpy.ops.planar.flatten("INVOKE_DEFAULT", True, to=to) == {"RUNNING_MODAL"}
+        yield
+        assert window.busy == ["PLANAR_OT_flatten"]
+        yield from window.key(way_out)
+        yield
+        assert window.busy == []
+        assert bpy.context.mode == {"OBJECT": "OBJECT", "EDIT": "EDIT_MESH"}[mode]
+        assert sorted(bpy.data.objects.keys()) == before
+        assert sorted(bpy.data.meshes.keys()) == meshes
+        assert active() == bpy.data.objects["Bumpy"]
+        assert not obj.data.uv_layers
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.array_equal(shape(), drawn)
+    assert not window.reports().count("Error"), window.reports()
+    # Nothing of it is in the way of the next one.
+    with window.context():
+        bpy.ops.planar.flatten("INVOKE_DEFAULT", True, iterations=1)
+    for _ in range(600):
+        if not window.busy:
+            break
+        yield
+    assert active().name == "Bumpy Flat", window.reports()
+    yield from window.undo()
+    assert sorted(bpy.data.objects.keys()) == before
+
+
 def test_in_the_uv_editor_islands_are_laid_flat_where_they_are_seen(window: Window) -> Iterator[None]:
     obj = tube()
     for edge in obj.data.edges:

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from cutouts import activate, active, sheet
 from harness import Window, addon
+from poses import shown
 
 
 def drawings() -> list[bpy.types.Object]:
@@ -46,6 +47,85 @@ def test_a_lattice_is_fitted_given_a_third_object_and_applied_by_buttons(window:
         assert obj.data.shape_keys.key_blocks[-1].name == lattice
     yield from window.undo()
     assert all(bpy.data.objects[name].modifiers for name in names)
+
+
+def fit(window: Window) -> Iterator[None]:
+    with window.context():
+        bpy.ops.planar.fit_lattice("INVOKE_DEFAULT")
+    yield from window.wait(0.3)
+
+
+def test_layers_lead_to_their_lattice_and_are_not_given_another_one_unasked(window: Window) -> Iterator[None]:
+    names = [obj.name for obj in drawings()]
+    yield from window.look("FRONT")
+    yield from window.use_tool()
+    yield from window.sidebar()
+    yield from window.push("planar.fit_lattice")
+    lattice = active().name
+    activate(bpy.data.objects[names[1]])
+    yield from window.wait(0.3)
+    window.picture("layer_of_a_lattice")
+    assert f"hangs in '{lattice}'" in addon("ui.tool.hint")._text(bpy.context)
+    yield from window.hover(window.pixel((-2.5, 0.0, 0.0)))
+    yield from fit(window)
+    window.picture("another_lattice")
+    yield from window.key("ESC")
+    assert active().name == names[1]
+    assert [modifier.object.name for modifier in active().modifiers] == [lattice]
+    yield from fit(window)
+    yield from window.key("UP_ARROW")  # the last entry: another one is added
+    yield from window.key("UP_ARROW")
+    yield from window.key("RET")
+    yield from window.wait(0.3)
+    assert active().type == "LATTICE", window.reports()
+    assert active().name != lattice
+    added = [modifier.object.name for modifier in bpy.data.objects[names[1]].modifiers]
+    assert added == [active().name], "in its place"
+    yield from window.undo()
+    activate(bpy.data.objects[names[1]])
+    yield from window.wait(0.3)
+    yield from window.push("planar.select_lattice")
+    assert active().name == lattice, window.reports()
+
+
+def test_applied_transforms_and_moved_origins_of_a_lattice_change_nothing(window: Window) -> Iterator[None]:
+    objects = drawings()
+    yield from window.look("FRONT")
+    with window.context():
+        bpy.ops.planar.fit_lattice()
+    bpy.ops.planar.add_pin(location=(-1.0, 0.0, 0.0))
+    bpy.ops.planar.add_pin(location=(1.0, 0.0, 0.0))
+    bpy.ops.planar.drag_pins(offset=(0.3, 0.6))
+    bpy.ops.ed.undo_push(message="Dragged")
+    name, back = active().name, objects[0].name
+    yield from window.hover(window.pixel((0.0, 0.0, 0.0)))
+    yield from window.key("G")
+    yield from window.type("0.5")
+    yield from window.key("RET")
+    yield from window.wait(0.2)
+    before, scale = shown(bpy.data.objects[back]), tuple(active().scale)
+    yield from window.key("A", ctrl=True)
+    yield from window.wait(0.2)
+    yield from window.key("A")  # All Transforms
+    yield from window.wait(0.3)
+    window.picture("transform_kept")
+    yield from window.key("ESC")
+    assert np.allclose(shown(bpy.data.objects[back]), before, atol=1e-5)
+    assert np.allclose(active().scale, scale)
+    bpy.context.scene.tool_settings.use_transform_data_origin = True
+    yield from window.hover(window.pixel((0.0, 0.0, 0.0)))
+    yield from window.key("G")
+    yield from window.type("1")
+    yield from window.key("RET")
+    yield from window.wait(0.3)
+    yield from window.key("ESC")
+    assert np.allclose(shown(bpy.data.objects[back]), before, atol=1e-5)
+    yield from window.undo()
+    yield from window.undo()
+    yield from window.redo()
+    yield from window.wait(0.2)
+    assert active().name == name
+    assert np.allclose(shown(bpy.data.objects[back]), before, atol=1e-5)
 
 
 def test_pins_out_of_reach_and_modifiers_below_are_told(window: Window) -> Iterator[None]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 from cutouts import active, moved, pin, place, ready, selected, shape, sheet
-from harness import Window
+from harness import Window, addon
 
 LEFT, RIGHT, TOP = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0), (0.0, 0.0, 0.7)
 EMPTY = (3.0, 0.0, -2.0)
@@ -170,12 +170,20 @@ def test_dragging_nothing_says_so(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     before = shape()
     yield from window.drag(window.pixel(EMPTY), window.pixel((2.0, 0.0, -1.0)))
+    said = addon("scene.telling").said
+    assert "There is no pin under the mouse: drag one" in said()
+    yield from window.hover(window.pixel(LEFT))
+    assert said(), "the mouse alone does nothing"
+    yield from window.key("A", alt=True)
+    assert said() == "", "it is gone with the next thing that is done"
     assert window.busy == []
-    assert "There is no pin under the mouse: drag one" in window.reports()
     bpy.ops.planar.select_pins(action="ALL")
     bpy.ops.planar.remove_pins("EXEC_DEFAULT", True)
     yield from window.drag(window.pixel((0.0, 0.0, 0.0)), window.pixel((1.0, 0.0, 0.0)))
-    assert "Ctrl-click the drawing to add one" in window.reports()
+    assert "Ctrl-click the drawing to add one" in said()
+    yield from window.click(window.pixel((0.0, 0.0, 0.0)), ctrl=True)
+    assert said() == ""
+    assert len(active().planar.pins) == 1
     assert window.busy == []
     assert np.array_equal(shape(), before)
     assert tuple(active().location) == (0, 0, 0)
@@ -190,8 +198,7 @@ def test_dragging_what_cannot_be_posed_says_why(window: Window) -> Iterator[None
     bpy.ops.ed.undo_push(message="Twin")
     yield from window.wait(0.3)
     yield from window.drag(window.pixel(RIGHT), window.pixel((2.0, 0.0, 0.5)))
-    assert "is shared: make it single-user" in window.reports()
-    assert "There is no pin" not in window.reports()
+    assert "is shared: make it single-user" in addon("scene.telling").said()
     assert selected() == [0, 1], "nor are pins deselected that nobody sees"
 
 

@@ -14,6 +14,7 @@ from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.objects.cutout_object import pose_refusal
 from ..scene.objects.modifiers import of_lattice
 from ..scene.pins import pin_list
+from ..scene.telling import said, say
 from ..scene.view import snapshot
 from ..scene.view.mouse import (
     hidden_refusal,
@@ -77,15 +78,23 @@ class PLANAR_OT_click(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Until the button is released: whoever drags nothing is told so."""
+        """Until the button is released: whoever drags nothing is told so, until the next thing is done."""
+        if said():
+            if event.type.startswith(PASSED_ON) or event.value != "PRESS":
+                return {"PASS_THROUGH"}
+            say("")
+            return {"FINISHED", "PASS_THROUGH"}
         if event.type == "LEFTMOUSE":
             return {"FINISHED"}
         if event.type.startswith(PASSED_ON) or event.value != "PRESS":
-            if not is_dragged(context, event, self._press):
-                return {"PASS_THROUGH"}
-            self.report({"INFO"}, self._missed(context))
-            return {"FINISHED"}
+            if is_dragged(context, event, self._press):
+                say(self._missed(context))
+            return {"PASS_THROUGH"}
         return {"FINISHED", "PASS_THROUGH"}
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """Another file is loaded."""
+        say("")
 
     def _missed(self, context: bpy.types.Context) -> str:
         """Why no pin has been dragged."""

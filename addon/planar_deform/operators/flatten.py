@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..errors import ObjectGone, Refusal
-from ..model.flatten.flattening import Flat, Settings, turned_over
+from ..model.flatten.flattening import Flat, Settings, lengths_kept, turned_over
 from ..model.plane.frame import Array32
 from ..scene.flatten import flat_mesh, pattern, pushing, refreshing, surface, uv_maps
 from ..scene.flatten.link import is_flat_mesh
@@ -39,6 +39,8 @@ WEIGHTS = (
     ("COTANGENT", "Cotangent", "By the angles opposite to each edge"),
     ("UNIFORM", "Uniform", "All edges alike"),
 )
+EXACT = 0.01  # of an edge's length: what nobody sees
+BADLY = 2.0  # the longest edge against the shortest one, both by what they should be
 
 
 class Flattening(LongOperator):
@@ -121,7 +123,14 @@ class PLANAR_OT_flatten(Flattening, bpy.types.Operator):
 
     def _summary(self, found: surface.Surface, flat: Flat) -> str:
         count = found.patches.count
-        told = f"{count} patch{'es' if count > 1 else ''} laid flat"
+        least, most = lengths_kept(found.places, flat.places, found.patches.triangles)
+        exact = least > 1.0 - EXACT and most < 1.0 + EXACT
+        scale = (
+            "true to scale" if exact else f"edges {least:.2f} to {most:.2f} times as long as on the surface"
+        )
+        told = f"{count} patch{'es' if count > 1 else ''} laid flat, {scale}"
+        if most > BADLY * least:
+            told += ": more seams distort less"
         over = turned_over(flat.places, found.patches.triangles) if self.method == "TWO_STEP" else 0
         return f"{told}; {over} triangles are turned over: Hold Shape has none" if over else told
 
@@ -171,7 +180,8 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
     bl_idname = "planar.refresh_from_surface"
     bl_label = "Refresh from Surface"
     bl_description = (
-        "Lay the edited surface flat again; pins stay, and a pose is solved again from the new shape"
+        "Lay the edited surface flat again; pins stay, a pose is solved again from the new shape, and keyed "
+        "poses are carried over to it"
     )
 
     @classmethod
@@ -183,9 +193,11 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
         refresh = refreshing.Refresh(context.object, self.settings())
         return Job(partial(self._write, refresh), refresh.solve)
 
-    def _write(self, refresh: refreshing.Refresh, rest: Array32) -> Generator[float, None, None]:
+    def _write(
+        self, refresh: refreshing.Refresh, new: tuple[Array32, refreshing.Shapes]
+    ) -> Generator[float, None, None]:
         yield 0.0
-        refresh.write(rest)
+        refresh.write(new)
         obj = bpy.context.object
         try:
             if refresh.posed and any(pin.enabled for pin in obj.planar.pins):

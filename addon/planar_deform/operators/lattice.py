@@ -3,14 +3,25 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, IntVectorProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatVectorProperty,
+    IntProperty,
+    IntVectorProperty,
+    StringProperty,
+)
 from mathutils import Quaternion
 
 from ..errors import Refusal
 from ..model.lattice.fitting import MOST_AN_AXIS
 from ..scene.lattice import applying, fitting
+from ..scene.objects.adding import select_alone
 from ..scene.objects.flat_object import data_refusal, make_current
+from ..scene.objects.modifiers import lattices_of
 from .posing_operator import PosingOperator
 
 SPACES = (
@@ -25,6 +36,11 @@ BASES = (
     ("KEY_CARDINAL", "Cardinal", "Through the points; turning all of them is never exactly rigid"),
     ("KEY_CATMULL_ROM", "Catmull-Rom", "Through the points"),
     ("KEY_BSPLINE", "BSpline", "The smoothest"),
+)
+OTHERS = (
+    ("REFUSE", "Refuse", "Fit none round what hangs in a lattice already"),
+    ("REPLACE", "Replace", "It takes the place of the lattices that deform the objects already"),
+    ("ADD", "Add", "It deforms the objects first, and the others what it has deformed"),
 )
 
 
@@ -68,6 +84,12 @@ class PLANAR_OT_fit_lattice(PosingOperator, bpy.types.Operator):
         min=0,
         max=8,
     )
+    others: EnumProperty(
+        name="Other Lattices",
+        description="What becomes of lattices in which the objects hang already",
+        items=OTHERS,
+        options={"SKIP_SAVE"},
+    )
     view: FloatVectorProperty(
         size=4, options={"HIDDEN", "SKIP_SAVE"}
     )  # how it was turned, for the redo panel
@@ -81,17 +103,33 @@ class PLANAR_OT_fit_lattice(PosingOperator, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if context.region_data is not None:
             self.view = context.region_data.view_rotation
-        return self.execute(context)
+        hanging = _hanging(context)
+        if hanging is None or self.others != "REFUSE":
+            return self.execute(context)
+        context.window_manager.popup_menu(partial(_ask, *hanging), title="Fit Lattice", icon="LATTICE_DATA")
+        return {"INTERFACE"}
 
     def apply(self, context: bpy.types.Context) -> None:
         make_current(context)
         objects = [obj for obj in context.selected_objects if obj.type == "MESH"]
         objects.sort(key=lambda obj: obj != context.object)  # its axes count
+        hanging = _hanging(context)
+        if hanging is not None and self.others == "REFUSE":
+            obj, lattice = hanging
+            raise Refusal(
+                f"'{obj.name}' hangs in '{lattice.name}' already: pose it by that, make that a shape key by "
+                "Apply Lattice, or choose whether the new one replaces it or is added"
+            )
         flat = fitting.plane_of(objects) if self.space in {"AUTO", "PLANE"} else None
         if self.space == "AUTO":
             self.space = "BOX" if flat is None else "PLANE"
         counts = tuple(self.resolution_in_space if self.space == "BOX" else (*self.resolution, 1))
-        fitting.fit(context, objects, self._turn(context, objects[0], flat), counts, self.basis, self.free)
+        turn = self._turn(context, objects[0], flat)
+        anew = self.others == "REPLACE"
+        left = fitting.fit(context, objects, turn, counts, self.basis, self.free, anew=anew)
+        if left:
+            names = ", ".join(f"'{lattice.name}'" for lattice in left)
+            self.report({"INFO"}, f"{names} deforms nothing any more")
 
     def _turn(
         self, context: bpy.types.Context, first: bpy.types.Object, flat: Quaternion | None
@@ -119,6 +157,59 @@ class PLANAR_OT_fit_lattice(PosingOperator, bpy.types.Operator):
         column.prop(self, "resolution_in_space" if self.space == "BOX" else "resolution")
         column.prop(self, "basis")
         column.prop(self, "free")
+        if self.others != "REFUSE":
+            column.prop(self, "others")
+
+
+def _hanging(context: bpy.types.Context) -> tuple[bpy.types.Object, bpy.types.Object] | None:
+    """One of the selected meshes that hangs in a lattice already, and that; None if none does."""
+    for obj in context.selected_objects:
+        if obj.type == "MESH" and (lattices := lattices_of(obj)):
+            return obj, lattices[0]
+    return None
+
+
+def _ask(
+    obj: bpy.types.Object, lattice: bpy.types.Object, menu: bpy.types.Menu, _context: bpy.types.Context
+) -> None:
+    """What is to be done with objects that hang in a lattice."""
+    column = menu.layout.column()
+    column.label(text=f"'{obj.name}' hangs in '{lattice.name}' already")
+    column.separator()
+    column.operator("planar.select_lattice", text=f"Pose '{lattice.name}'").lattice = lattice.name
+    column.operator("planar.fit_lattice", text="Fit a New One in Its Place").others = "REPLACE"
+    column.operator("planar.fit_lattice", text="Add Another One").others = "ADD"
+
+
+class PLANAR_OT_select_lattice(PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.select_lattice"
+    bl_label = "Select Lattice"
+    bl_description = (
+        "Make the lattice active in which the active object hangs, to pose it by the lattice's pins"
+    )
+
+    lattice: StringProperty(
+        name="Lattice", description="Its name; empty: the first one", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        if context.object is None or not lattices_of(context.object):
+            return "The active object hangs in no lattice: put one round it with Fit Lattice"
+        return (
+            None if context.mode == "OBJECT" else "Leave this mode first: lattices are posed in Object Mode"
+        )
+
+    def apply(self, context: bpy.types.Context) -> None:
+        found = {lattice.name: lattice for lattice in lattices_of(context.object)}
+        lattice = found.get(self.lattice or next(iter(found)))
+        if lattice is None:
+            raise Refusal(f"'{context.object.name}' does not hang in '{self.lattice}'")
+        if not lattice.visible_get():
+            raise Refusal(f"'{lattice.name}' is hidden: show it in the Outliner first")
+        if lattice.hide_select:
+            raise Refusal(f"'{lattice.name}' cannot be selected: allow that in the Outliner first")
+        select_alone(context, lattice)
 
 
 class LatticeOperator(PosingOperator):
@@ -179,4 +270,4 @@ class PLANAR_OT_apply_lattice(LatticeOperator, bpy.types.Operator):
             self.report({"INFO"}, f"A shape key on {names}")
 
 
-CLASSES = (PLANAR_OT_fit_lattice, PLANAR_OT_add_to_lattice, PLANAR_OT_apply_lattice)
+CLASSES = (PLANAR_OT_fit_lattice, PLANAR_OT_select_lattice, PLANAR_OT_add_to_lattice, PLANAR_OT_apply_lattice)

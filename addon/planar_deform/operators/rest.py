@@ -13,7 +13,7 @@ from .posing_operator import PinPosingOperator, PosingOperator
 
 class PLANAR_OT_set_rest_to_current(PosingOperator, bpy.types.Operator):
     bl_idname = "planar.set_rest_to_current"
-    bl_label = "Set Rest to Current"
+    bl_label = "Set as Rest"
     bl_description = (
         "Take the current shape as the rest shape. With shape keys, the pose in the active key goes into "
         "the Basis and the other keys keep their differences"

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import bpy
 
+from .flatten import pushing
+from .objects import lattice_edits
 from .pins import following, lattice_places
 from .pins.pin_list import has_pins, sync
 from .sequence import pose_edit, pose_state
@@ -14,11 +16,47 @@ from .telling import tell
 from .view import snapshot
 
 
-def match_mesh(obj: bpy.types.Object) -> None:
-    """After an update of an object: its pins and its stiffness follow its mesh and its vertex groups.
+def match(obj: bpy.types.Object) -> None:
+    """After an update of an object: what we keep of it follows.
 
-    While a drag is on, the drag alone changes these.
+    While Blender moves it, and while a drag is on, nothing does.
     """
+    if obj.type == "LATTICE":
+        _match_lattice_itself(obj)
+    else:
+        _match_mesh(obj)
+
+
+def match_uv_map(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
+    """After an update or a change of the frame: with Live UV on the surface's map follows its flat mesh.
+
+    A drag takes it along by itself.
+    """
+    if obj.type != "MESH" or obj.library is not None or not obj.is_property_set("planar"):
+        return
+    if not obj.planar.live_uv or migration.is_newer(obj) or snapshot.following(obj):
+        return
+    told = pushing.follow(obj, depsgraph)
+    if told is not None:
+        tell(told, title="Live UV Off")
+
+
+def _match_lattice_itself(obj: bpy.types.Object) -> None:
+    """Its transform is not applied to its points."""
+    if any(_transforms(window) for window in bpy.context.window_manager.windows):
+        return
+    told = lattice_edits.follow(obj)
+    if told is not None:
+        tell(told, title="Transform Kept")
+
+
+def _transforms(window: bpy.types.Window) -> bool:
+    """Whether Blender's own moving, turning or scaling is on, which may move an origin alone."""
+    return any(operator.bl_idname.startswith("TRANSFORM_OT") for operator in window.modal_operators)
+
+
+def _match_mesh(obj: bpy.types.Object) -> None:
+    """The pins of an object and its stiffness follow its mesh and its vertex groups."""
     if obj.type != "MESH" or obj.library is not None or obj.mode not in {"OBJECT", "WEIGHT_PAINT"}:
         return
     lattices = [

@@ -368,12 +368,16 @@ class PlanarSettings(bpy.types.PropertyGroup):
     # How the flat mesh lies in the surface's UV map since it was first pushed; a scale of 0: it never was.
     uv_scale: FloatProperty(options={"HIDDEN"})
     uv_offset: FloatVectorProperty(size=2, options={"HIDDEN"})
+    pushed: StringProperty(options={"HIDDEN"})  # digest of the shape that was pushed last
     live_uv: BoolProperty(
         name="Live UV",
-        description="Let the surface's UV map follow while pins of its flat mesh are dragged",
+        description="Let the surface's UV map follow whatever changes the shape of its flat mesh",
         update=_set_live_uv,
         options=NOT_ANIMATED,
     )
+    # A lattice as it was last seen, see objects/lattice_edits.py.
+    seen_basis: FloatVectorProperty(size=16, options={"HIDDEN"})
+    seen_sums: FloatVectorProperty(size=24, options={"HIDDEN"})
     # What the point cache was baked from, see motion/cache_age.py.
     cache_stamp: StringProperty(options={"HIDDEN"})
 

@@ -112,6 +112,7 @@ class PLANAR_MT_lattice(PlanarMenu, bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         column = self.column
         column.operator("planar.fit_lattice", icon="LATTICE_DATA")
+        column.operator("planar.select_lattice", icon="RESTRICT_SELECT_OFF")
         column.operator("planar.add_to_lattice", icon="ADD")
         column.operator("planar.apply_lattice", icon="CHECKMARK")
 

@@ -125,3 +125,35 @@ def all_of(*objects):
         found.append([(pin.name, pin.has_target, tuple(pin.target)) for pin in obj.planar.pins])
         found.append((obj.planar.uv_scale, tuple(obj.planar.uv_offset), obj.planar.live_uv))
     return found
+
+
+def pushed(flat):
+    activate(flat)
+    assert bpy.ops.planar.push_to_uv_map() == {"FINISHED"}
+
+
+def pin_at(flat, *vertices):
+    activate(flat)
+    for vertex in vertices:
+        assert bpy.ops.planar.add_pin(location=world(flat)[vertex].tolist()) == {"FINISHED"}
+
+
+def linked(obj, flat):
+    """Whether each corner of the surface has its flat mesh's place, in one scale."""
+    places = coordinates(flat.data.vertices)[:, [0, 2]]
+    corners = numbers(flat.data, "planar_surface_corner") - 1
+    of_flat = np.array([loop.vertex_index for loop in flat.data.loops])
+    expected = places[of_flat] * flat.planar.uv_scale + np.array(flat.planar.uv_offset)
+    return np.abs(uvs(obj)[corners] - expected).max() < 1e-6
+
+
+def live(obj):
+    flat = flatten(obj)
+    flat.planar.live_uv = True
+    pin_at(flat, 0, len(flat.data.vertices) - 1)
+    return flat
+
+
+def refreshed(flat, **options):
+    activate(flat)
+    assert bpy.ops.planar.refresh_from_surface(**options) == {"FINISHED"}

@@ -198,7 +198,24 @@ def test_triangles_that_two_steps_turn_over_are_told(capfd):
     flatten(obj, method="TWO_STEP")
     assert "triangles are turned over: Hold Shape has none" in capfd.readouterr().out
     flatten(obj)
-    assert "1 patch laid flat\n" in capfd.readouterr().out
+    assert "1 patch laid flat, edges 0." in capfd.readouterr().out
+
+
+def test_how_much_lengths_are_kept_is_told(capfd):
+    obj = tube()
+    flatten(obj)
+    assert "1 patch laid flat, true to scale\n" in capfd.readouterr().out
+    for edge in obj.data.edges:
+        edge.use_seam = False
+    flat = flatten(obj)
+    ratios = stretches(obj, flat)
+    told = capfd.readouterr().out
+    assert (
+        f"laid flat, edges {ratios.min():.2f} to {ratios.max():.2f} times as long as on the surface" in told
+    )
+    assert "more seams distort less" in told
+    flatten(cap(angle=0.9))
+    assert "more seams" not in capfd.readouterr().out
 
 
 # ---- UV maps

@@ -1,32 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a flat mesh can do for its surface: pushed back, live, refreshed; kept through files and copies."""
+"""What a flat mesh does for its surface: pushed back; kept through files and copies."""
 
 import bpy
 import numpy as np
 import pytest
-from support import activate, coordinates, in_edit_mode, world
-from surfaces import all_of, cap, cube, flatten, numbers, stretches, surface_vertices, tube, uv_ratios, uvs
-
-
-def pushed(flat):
-    activate(flat)
-    assert bpy.ops.planar.push_to_uv_map() == {"FINISHED"}
-
-
-def pin_at(flat, *vertices):
-    activate(flat)
-    for vertex in vertices:
-        assert bpy.ops.planar.add_pin(location=world(flat)[vertex].tolist()) == {"FINISHED"}
-
-
-def linked(obj, flat):
-    """Whether each corner of the surface has its flat mesh's place, in one scale."""
-    places = coordinates(flat.data.vertices)[:, [0, 2]]
-    corners = numbers(flat.data, "planar_surface_corner") - 1
-    of_flat = np.array([loop.vertex_index for loop in flat.data.loops])
-    expected = places[of_flat] * flat.planar.uv_scale + np.array(flat.planar.uv_offset)
-    return np.abs(uvs(obj)[corners] - expected).max() < 1e-6
-
+from support import activate, coordinates, in_edit_mode
+from surfaces import (
+    all_of,
+    cap,
+    cube,
+    flatten,
+    linked,
+    pin_at,
+    pushed,
+    refreshed,
+    surface_vertices,
+    tube,
+    uv_ratios,
+    uvs,
+)
 
 # ---- push
 
@@ -137,167 +129,6 @@ def test_duplicated_together_the_copies_belong_to_each_other():
     assert np.array_equal(uvs(obj), before)
 
 
-# ---- live
-
-
-def live(obj):
-    flat = flatten(obj)
-    flat.planar.live_uv = True
-    pin_at(flat, 0, len(flat.data.vertices) - 1)
-    return flat
-
-
-def test_live_the_map_is_pushed_when_it_is_turned_on_and_follows_pins():
-    obj = tube()
-    flat = live(obj)
-    assert linked(obj, flat)
-    before = uvs(obj)
-    for offset in ((0.4, 0.1), (0.0, 0.6)):
-        assert bpy.ops.planar.drag_pins(pin=1, offset=offset) == {"FINISHED"}
-        assert linked(obj, flat)
-    assert np.abs(uvs(obj) - before).max() > 0.1
-    flat.planar.live_uv = False
-    before = uvs(obj)
-    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.4, 0.1)) == {"FINISHED"}
-    assert np.array_equal(uvs(obj), before)
-
-
-def test_a_drag_taken_back_gives_the_map_back_to_the_bit():
-    from planar_deform.model.posing.posing import Posing
-    from planar_deform.operators.modal.object_posing import ObjectPosing
-
-    obj = tube()
-    flat = live(obj)
-    layer = obj.data.uv_layers.active
-    layer.uv[7].vector = (0.123, 0.456)  # edited by hand meanwhile
-    before = all_of(obj, flat)
-    posing = ObjectPosing(bpy.context, 1, model=Posing)
-    posing.solve([(0.4, 0.3, 0.0)], posing.show)
-    assert all_of(obj, flat) != before
-    assert linked(obj, flat)
-    posing.cancel()
-    assert all_of(obj, flat) == before
-
-
-def test_live_a_drag_goes_on_where_the_surface_is_lost_and_tells_so(capfd):
-    obj = tube()
-    flat = live(obj)
-    bpy.data.objects.remove(obj)
-    before = coordinates(flat.data.vertices)
-    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.4, 0.1)) == {"FINISHED"}
-    assert np.abs(coordinates(flat.data.vertices) - before).max() > 0.1
-    assert "The UV map did not follow: The surface of" in capfd.readouterr().out
-
-
-def test_live_is_not_turned_on_where_there_is_no_surface(capfd):
-    obj = tube()
-    flat = flatten(obj)
-    bpy.data.objects.remove(obj)
-    flat.planar.live_uv = True
-    assert not flat.planar.live_uv
-    assert "has been deleted" in capfd.readouterr().out
-
-
-# ---- refresh
-
-
-def refreshed(flat, **options):
-    activate(flat)
-    assert bpy.ops.planar.refresh_from_surface(**options) == {"FINISHED"}
-
-
-def test_refreshed_the_flat_mesh_is_that_of_the_edited_surface_where_it_lay():
-    obj = tube()
-    flat = flatten(obj)
-    pin_at(flat, 0, 70)
-    pins = [(pin.name, pin.group) for pin in flat.planar.pins]
-    middle = coordinates(flat.data.vertices).mean(axis=0)
-    for vertex in obj.data.vertices:
-        vertex.co.z *= 1.5
-    obj.data.update()
-    refreshed(flat)
-    assert np.abs(stretches(obj, flat) - 1.0).max() < 2e-6
-    assert np.abs(coordinates(flat.data.vertices).mean(axis=0) - middle).max() < 1e-5
-    assert [(pin.name, pin.group) for pin in flat.planar.pins] == pins
-    before = coordinates(flat.data.vertices)
-    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.3, 0.0)) == {"FINISHED"}
-    moved = coordinates(flat.data.vertices) - before
-    assert np.abs(moved[70] - (0.3, 0.0, 0.0)).max() < 1e-2
-    assert np.abs(moved[0]).max() < 1e-2
-
-
-def test_refreshed_in_a_pose_the_pins_stay_where_they_hold_it():
-    obj = tube()
-    flat = flatten(obj)
-    last = len(flat.data.vertices) - 1
-    pin_at(flat, 0, last)
-    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.4, 0.5)) == {"FINISHED"}
-    before = coordinates(flat.data.vertices)
-    for vertex in obj.data.vertices:
-        vertex.co.z *= 1.2
-    obj.data.update()
-    refreshed(flat)
-    after = coordinates(flat.data.vertices)
-    assert np.abs(after - before)[[0, last]].max() < 1e-2
-    assert np.abs(after - before).max() > 0.02
-    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
-    assert np.abs(stretches(obj, flat) - 1.0).max() < 2e-6
-
-
-@pytest.mark.parametrize("posed", [False, True])
-def test_refreshed_in_vain_everything_is_as_it_was(posed, monkeypatch):
-    from planar_deform.errors import Refusal
-    from planar_deform.operators import flatten as operators
-
-    def refuse(*_args, **_options):
-        raise Refusal("not now")
-
-    obj = tube()
-    flat = live(obj)
-    if posed:
-        assert bpy.ops.planar.drag_pins(pin=1, offset=(0.4, 0.5)) == {"FINISHED"}
-    obj.data.vertices[60].co *= 1.2
-    obj.data.update()
-    monkeypatch.setattr(operators, "ObjectPosing", refuse)
-    monkeypatch.setattr(operators.pushing, "push", refuse)
-    before = all_of(obj, flat)
-    with pytest.raises(RuntimeError, match="not now"):
-        bpy.ops.planar.refresh_from_surface()
-    assert all_of(obj, flat) == before
-
-
-def test_refreshed_live_the_map_follows():
-    obj = tube()
-    flat = live(obj)
-    obj.data.vertices[60].co *= 1.2
-    obj.data.update()
-    before = uvs(obj)
-    refreshed(flat)
-    assert linked(obj, flat)
-    assert np.abs(uvs(obj) - before).max() > 1e-3
-
-
-def test_faces_numbered_anew_are_found_by_their_vertices():
-    obj = tube()
-    flat = flatten(obj)
-    pushed(flat)
-    before = {(loop.vertex_index, tuple(uv)) for loop, uv in zip(obj.data.loops, uvs(obj), strict=True)}
-    in_edit_mode(
-        obj, lambda: bpy.ops.mesh.sort_elements(type="REVERSE", elements={"FACE"}), select=lambda vertex: True
-    )
-    obj.data.uv_layers.active.uv.foreach_set("vector", np.zeros(2 * len(obj.data.loops), np.float32))
-    activate(flat)
-    kept = all_of(obj, flat)
-    with pytest.raises(RuntimeError, match="use Refresh from Surface"):
-        bpy.ops.planar.push_to_uv_map()
-    assert all_of(obj, flat) == kept
-    refreshed(flat)
-    pushed(flat)
-    after = {(loop.vertex_index, tuple(uv)) for loop, uv in zip(obj.data.loops, uvs(obj), strict=True)}
-    assert [vertex for vertex, _ in sorted(after)] == [vertex for vertex, _ in sorted(before)]
-    assert np.abs(np.array([uv for _, uv in sorted(after)]) - [uv for _, uv in sorted(before)]).max() < 1e-5
-
-
 # ---- refusals
 
 
@@ -367,17 +198,6 @@ def test_an_applied_rotation_is_refused():
     for operator in ("push_to_uv_map", "refresh_from_surface"):
         with pytest.raises(RuntimeError, match="XZ plane"):
             getattr(bpy.ops.planar, operator)()
-    assert all_of(obj, flat) == before
-
-
-def test_keyed_poses_are_not_refreshed():
-    obj = tube()
-    flat = flatten(obj)
-    pin_at(flat, 0)
-    assert bpy.ops.planar.key_pose() == {"FINISHED"}
-    before = all_of(obj, flat)
-    with pytest.raises(RuntimeError, match="Clear Poses"):
-        bpy.ops.planar.refresh_from_surface()
     assert all_of(obj, flat) == before
 
 

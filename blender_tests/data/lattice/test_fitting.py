@@ -160,6 +160,57 @@ def test_refusals_change_nothing():
         bpy.ops.planar.fit_lattice()
 
 
+def test_what_hangs_in_a_lattice_gets_another_one_only_when_asked():
+    objects = layers()
+    bpy.ops.planar.fit_lattice()
+    first = bpy.context.object
+    choose(*objects)
+    with pytest.raises(RuntimeError, match="hangs in 'Lattice' already: pose it by that"):
+        bpy.ops.planar.fit_lattice()
+    assert [modifier.object for obj in objects for modifier in obj.modifiers] == 3 * [first]
+    assert list(bpy.data.lattices) == [first.data]
+    # Added, it deforms what the first one deforms.
+    choose(objects[2])
+    assert bpy.ops.planar.fit_lattice(others="ADD") == {"FINISHED"}
+    second = bpy.context.object
+    assert [modifier.object for modifier in objects[2].modifiers] == [second, first]
+    # In their place, it is the only one, and the others are left as they are.
+    choose(*objects)
+    assert bpy.ops.planar.fit_lattice(others="REPLACE", resolution=(9, 9)) == {"FINISHED"}
+    third = bpy.context.object
+    assert third not in {first, second}
+    assert [modifier.object for obj in objects for modifier in obj.modifiers] == 3 * [third]
+    assert first.name in bpy.context.view_layer.objects
+    # That is said once, and not kept for the next time.
+    choose(*objects)
+    with pytest.raises(RuntimeError, match="already"):
+        bpy.ops.planar.fit_lattice()
+
+
+def test_from_a_layer_it_is_one_step_to_its_lattice():
+    objects = layers()
+    with pytest.raises(RuntimeError, match="hangs in no lattice"):
+        bpy.ops.planar.select_lattice()
+    bpy.ops.planar.fit_lattice()
+    lattice = bpy.context.object
+    choose(objects[0], objects[1])
+    assert bpy.ops.planar.select_lattice() == {"FINISHED"}
+    assert bpy.context.object == lattice
+    assert bpy.context.selected_objects == [lattice]
+    choose(objects[2])
+    bpy.ops.planar.fit_lattice(others="ADD")
+    second = bpy.context.object
+    for name in (lattice.name, second.name):
+        choose(objects[2])
+        assert bpy.ops.planar.select_lattice(lattice=name) == {"FINISHED"}
+        assert bpy.context.object.name == name
+    lattice.hide_set(True)
+    choose(objects[0])
+    with pytest.raises(RuntimeError, match="is hidden: show it"):
+        bpy.ops.planar.select_lattice()
+    assert bpy.context.object == objects[0]
+
+
 def test_others_are_added_with_the_group_and_the_strength():
     first, second, third = layers()
     third.select_set(False)

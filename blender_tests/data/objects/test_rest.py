@@ -89,9 +89,9 @@ def test_set_rest_to_current_helps_a_rest_shape_that_cannot_be_used():
     bent = stored_rest(obj)
     bent[::2, 2] += 0.5
     obj.data.attributes["planar_rest"].data.foreach_set("vector", bent.ravel())
-    with pytest.raises(Refusal, match="Set Rest to Current"):
+    with pytest.raises(Refusal, match="Set as Rest"):
         begin(bpy.context)
-    with pytest.raises(RuntimeError, match="Set Rest to Current"):
+    with pytest.raises(RuntimeError, match="Set as Rest"):
         bpy.ops.planar.reset_to_rest()
     bpy.ops.planar.set_rest_to_current()
     begin(bpy.context)

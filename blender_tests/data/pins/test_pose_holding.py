@@ -46,7 +46,7 @@ def test_a_drag_with_other_pins_tells_that_the_pose_goes(plane, capfd):
     before = coordinates(obj.data.vertices)
     pins_anew(obj, [0])
     assert np.array_equal(coordinates(obj.data.vertices), before)
-    assert "Set Rest to Current" in told(obj)
+    assert "Set as Rest" in told(obj)
     assert bpy.ops.planar.drag_pins(offset=(0.01, 0.0)) == {"FINISHED"}
     assert "These pins have not made the pose" in capfd.readouterr().out
     assert told(obj) is None

@@ -97,6 +97,14 @@ def turned_over(places: Array, triangles: Indices) -> int:
     return int(np.count_nonzero(signed_areas(places, triangles) < 0.0))
 
 
+def lengths_kept(surface: Array, places: Array, triangles: Indices) -> tuple[float, float]:
+    """How many times as long as on the surface (n x 3) edges are laid flat, at the least and at the most."""
+    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    before, after = (np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1) for x in (surface, places))
+    ratios = after[before > 0.0] / before[before > 0.0]
+    return float(ratios.min()), float(ratios.max())
+
+
 def _share(progress: Progress, done: float, share: float, part: float) -> bool:
     return progress(float(done + share * part))
 

@@ -71,38 +71,30 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     return surface
 
 
-def read_link(obj: bpy.types.Object) -> Link:
-    """What a flat mesh in Object Mode is of its surface. Raises Refusal where they do not fit any more."""
-    surface = surface_of(obj)
-    vertices, corners = _numbers(obj)
-    of_surface, of_flat = corners_of(surface.data), corners_of(obj.data)
-    if not _fits(vertices, corners, of_surface, of_flat, len(surface.data.vertices)):
-        if obj.planar.surface_vertices != len(surface.data.vertices):
-            raise Refusal(_changed(obj, surface))
-        raise Refusal(
-            f"The faces of '{surface.name}' are not those that '{obj.name}' was made of: use Refresh from "
-            f"Surface, undo what was done to them, or {AGAIN}"
-        )
-    return Link(surface, vertices, corners)
+def read_link(obj: bpy.types.Object, *, renewed: bool = False) -> Link:
+    """What a flat mesh in Object Mode is of its surface. Raises Refusal where they do not fit any more.
 
-
-def renewed(obj: bpy.types.Object) -> Link:
-    """The same where the surface has been edited: flat faces stand for those on the same vertices.
-
-    Raises Refusal where it has more or fewer vertices by now, or lacks faces.
+    `renewed`: where the surface has been edited, flat faces stand for those on the same vertices. Refused is
+    then only one that has more or fewer vertices by now, or lacks faces.
     """
     surface = surface_of(obj)
     vertices, corners = _numbers(obj)
     of_surface, of_flat = corners_of(surface.data), corners_of(obj.data)
-    if obj.planar.surface_vertices != len(surface.data.vertices) or not _within(
-        vertices, len(surface.data.vertices)
-    ):
-        raise Refusal(_changed(obj, surface))
-    if not _fits(vertices, corners, of_surface, of_flat, len(surface.data.vertices)):
-        found = matched(of_flat, vertices, of_surface)
-        if found is None:
+    count = len(surface.data.vertices)
+    before = obj.planar.surface_vertices
+    fits = _fits(vertices, corners, of_surface, of_flat, count)
+    if count != before and (renewed or not fits):
+        raise Refusal(
+            f"'{surface.name}' has {count} vertices, not the {before} that '{obj.name}' was made of: undo "
+            f"what was done to it, or {AGAIN}"
+        )
+    if not fits:
+        found = matched(of_flat, vertices, of_surface) if _within(vertices, count) else None
+        if found is None or not renewed:
+            use = "" if found is None else "use Refresh from Surface, "
             raise Refusal(
-                f"'{surface.name}' has lost faces that '{obj.name}' was made of: undo that, or {AGAIN}"
+                f"The faces of '{surface.name}' are not those that '{obj.name}' was made of: {use}undo what "
+                f"was done to them, or {AGAIN}"
             )
         corners = found
     return Link(surface, vertices, corners)
@@ -115,13 +107,6 @@ def _numbers(obj: bpy.types.Object) -> tuple[Indices, Indices]:
     if not (vertices.all() and corners.all()):
         raise Refusal(f"'{obj.name}' has parts that its surface does not: undo their making, or {AGAIN}")
     return vertices - 1, corners - 1
-
-
-def _changed(obj: bpy.types.Object, surface: bpy.types.Object) -> str:
-    return (
-        f"'{surface.name}' has {len(surface.data.vertices)} vertices, not the {obj.planar.surface_vertices} "
-        f"that '{obj.name}' was made of: undo what was done to it, or {AGAIN}"
-    )
 
 
 def _within(numbers: Indices, count: int) -> bool:

@@ -12,19 +12,20 @@ from ...model.plane.cutout import diagonal_of
 from ...model.plane.frame import Array, Array32
 from ..objects.flat_object import FLATNESS
 from ..storage import points
+from ..storage.digests import digest
 from ..storage.topology import corner_vertices
 from . import uv_maps
 from .link import AGAIN, Link, read_link
 
 
-def push(obj: bpy.types.Object) -> bpy.types.Object:
+def push(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> bpy.types.Object:
     """Write a flat mesh's shape, as it is shown, to its surface's active UV map, made where there is none.
 
     The first push fits it into the map, and later ones keep that scale. Returns the surface. Raises Refusal,
-    with nothing changed.
+    with nothing changed. `depsgraph`: see shown_places().
     """
     link = _writable(obj)
-    places = shown_places(obj)
+    places = shown_places(obj, depsgraph)
     mesh = link.surface.data
     layer = uv_maps.active_or_new(mesh)
     if obj.planar.uv_scale == 0.0:
@@ -33,12 +34,34 @@ def push(obj: bpy.types.Object) -> bpy.types.Object:
     uvs = uv_maps.read(layer)
     uvs[link.corners] = _unit(obj).of(places)[corner_vertices(obj.data)]
     uv_maps.write(mesh, layer, uvs)
+    obj.planar.pushed = digest(places.tobytes())
     return link.surface
 
 
-def shown_places(obj: bpy.types.Object) -> Array:
-    """Where the vertices of a flat mesh are in its plane, n x 2, as Blender shows them. Raises Refusal."""
-    places = _shown(obj).astype(np.float64)
+def follow(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str | None:
+    """After an update of a flat mesh with Live UV on: push its shape where that is not the last one pushed.
+
+    Live UV goes off where that is refused; the reason.
+    """
+    settings = obj.planar
+    surface = settings.surface
+    if obj.mode != "OBJECT" or (surface is not None and surface.mode != "OBJECT"):
+        return None  # until that is left
+    try:
+        if digest(shown_places(obj, depsgraph).tobytes()) != settings.pushed:
+            push(obj, depsgraph)
+    except Refusal as refusal:
+        settings.live_uv = False
+        return str(refusal)
+    return None
+
+
+def shown_places(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> Array:
+    """Where the vertices of a flat mesh are in its plane, n x 2, as Blender shows them. Raises Refusal.
+
+    `depsgraph`: one that is up to date; none: it is made so.
+    """
+    places = _shown(obj, depsgraph).astype(np.float64)
     if not np.isfinite(places).all():
         raise Refusal(f"'{obj.name}' has vertices with coordinates that are not numbers: delete them")
     if float(np.ptp(places[:, 1])) > FLATNESS * diagonal_of(places):
@@ -49,11 +72,13 @@ def shown_places(obj: bpy.types.Object) -> Array:
     return places[:, [0, 2]]
 
 
-def _shown(obj: bpy.types.Object) -> Array32:
+def _shown(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None) -> Array32:
     if obj.data.shape_keys is None and not len(obj.modifiers):
         return points.read(obj)
-    bpy.context.view_layer.update()
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if depsgraph is None:
+        bpy.context.view_layer.update()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+    evaluated = obj.evaluated_get(depsgraph)
     if len(evaluated.data.vertices) != len(obj.data.vertices):
         raise Refusal(
             f"Modifiers of '{obj.name}' make new vertices, which the surface does not have: turn them off"

@@ -13,9 +13,10 @@ from mathutils.kdtree import KDTree
 from ...errors import Refusal
 from ...model.lattice.fitting import fitted_box
 from ...model.plane.frame import Array, mapped, plane_frame
+from ..objects import lattice_edits
 from ..objects.adding import link_beside, select_alone
 from ..objects.flat_object import data_refusal, is_flat, linear_of, origin_of
-from ..objects.modifiers import of_lattice
+from ..objects.modifiers import lattices_of, of_lattice
 from ..objects.pose_store import store_of
 from ..objects.triangulation import Faces, faces_of
 from ..storage.vertex_groups import members
@@ -73,10 +74,13 @@ def fit(
     counts: Sequence[int],
     basis: str,
     free: int,
-) -> bpy.types.Object:
+    *,
+    anew: bool,
+) -> list[bpy.types.Object]:
     """A new lattice round the objects, turned like that, which deforms them. Raises Refusal.
 
-    `counts`, `free`: see fitted_box(). It comes first in their stacks, and is selected alone.
+    `counts`, `free`: see fitted_box(). It comes first in their stacks, and is selected alone. `anew`: in the
+    place of other lattices; those are returned that deform nothing any more.
     """
     axes = np.array(turn.to_matrix(), np.float64).T  # rows: the lattice's axes in the world
     places = np.concatenate([mapped(world_of(obj), axes) for obj in objects])
@@ -91,10 +95,16 @@ def fit(
     for axis in "uvw":
         setattr(data, f"interpolation_type_{axis}", basis)
     lattice.matrix_world = Matrix.LocRotScale(mapped(centre[None, :], axes.T.copy())[0], turn, size)
+    others: list[bpy.types.Object] = []
     for obj in objects:
+        if anew:
+            others += lattices_of(obj)
+            for modifier in [modifier for modifier in obj.modifiers if modifier.type == "LATTICE"]:
+                obj.modifiers.remove(modifier)
         add_modifier(obj, lattice)
+    lattice_edits.see(lattice)
     select_alone(context, lattice)
-    return lattice
+    return [other for other in dict.fromkeys(others) if not any(modifiers_of(other))]
 
 
 def add_modifier(obj: bpy.types.Object, lattice: bpy.types.Object) -> bpy.types.Modifier:

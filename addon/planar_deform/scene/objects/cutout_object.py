@@ -352,10 +352,10 @@ def _flat_frame(
     chosen = triangles[known[triangles].all(axis=1)]
     frame = plane_frame(points, chosen, linear)
     if frame is None:
-        raise Refusal(f"{subject} not cover any area: give the drawing some, or use Set Rest to Current")
+        raise Refusal(f"{subject} not cover any area: give the drawing some, or use Set as Rest")
     if not is_flat(frame, world, parts, known):
         raise Refusal(
             f"{subject} not lie in parallel planes: flatten the mesh (scale it to 0 along its normal), "
-            "then use Set Rest to Current"
+            "then use Set as Rest"
         )
     return frame

@@ -17,7 +17,7 @@ import numpy as np
 from ...model.plane.affine import Affine, affine_between
 from ...model.plane.frame import Array32, Indices, Mask
 from ...model.plane.rest import fitted
-from ..sequence import pose_state, stretches
+from ..sequence import pose_state, up_to_date
 from ..storage import migration, points
 from . import rest_shape, triangulation
 
@@ -25,9 +25,6 @@ from . import rest_shape, triangulation
 # whether that mesh had shape keys when it was last seen.
 _meshes: dict[int, int] = {}
 _keyed: dict[int, bool] = {}
-# By object: the poses (indices) behind which in-betweens were up to date when it was last seen, and whether
-# these had been edited. What takes poses and in-betweens along alike leaves them so.
-_inbetweens: dict[int, list[tuple[int, bool]]] = {}
 
 ROUNDING = 1e-5  # of coordinates that Blender has transformed in float32
 INTERPOLATED = 4  # an owner's number may be off by, as Blender's weights do not quite add up to 1
@@ -65,8 +62,7 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
         if done is not None:
             _carry(obj, done, done.turns_over(seen[rows]))
         if done is not None and _explains(done, seen[rows], present[rows]):
-            for pose, by_hand in _inbetweens.get(obj.session_uid, []):
-                stretches.mark(obj, [pose], edited=by_hand)
+            up_to_date.carry(obj)
         if done is not None and rest is not None:
             rest[rows] = done.of(rest[rows])
     if rest is not None and (joined or done is not None):
@@ -77,7 +73,7 @@ def follow(obj: bpy.types.Object) -> dict[int, Joined]:
         rest_shape.see(mesh, present)
     _meshes.setdefault(int(owners[0]), mesh.session_uid)
     _keyed[int(owners[0])] = mesh.shape_keys is not None
-    _inbetweens[obj.session_uid] = _up_to_date(obj)
+    up_to_date.see(obj)
     return joined
 
 
@@ -129,12 +125,7 @@ def see(obj: bpy.types.Object) -> None:
     """What the mesh is now is as it was last seen: it has been changed by what follows it."""
     rest_shape.see(obj.data, rest_shape.reference(obj))
     _keyed[owner_of(obj.data)] = obj.data.shape_keys is not None
-    _inbetweens[obj.session_uid] = _up_to_date(obj)
-
-
-def up_to_date(obj: bpy.types.Object) -> dict[int, bool]:
-    """Behind which poses in-betweens were up to date when last seen, and whether these had been edited."""
-    return dict(_inbetweens.get(obj.session_uid, ()))
+    up_to_date.see(obj)
 
 
 def is_elsewhere(owner: int, mesh: bpy.types.Mesh) -> bool:
@@ -149,7 +140,6 @@ def forget() -> None:
     """Of another file nothing is known."""
     _meshes.clear()
     _keyed.clear()
-    _inbetweens.clear()
 
 
 def _owners(mesh: bpy.types.Mesh) -> Indices:
@@ -218,17 +208,6 @@ def _take_in(
             rest[of_part] = fitted(rest[of_part].astype(np.float64), present[of_part], scaled=True)
     over = found is not None and seen is not None and found.turns_over(seen[rows])
     return Joined(rows, found, over)
-
-
-def _up_to_date(obj: bpy.types.Object) -> list[tuple[int, bool]]:
-    if not (pose_state.is_ours(obj) and stretches.has_inbetweens(obj)):
-        return []
-    stale = {first for first, _ in stretches.stale(obj)}
-    return [
-        (index, pose.edited)
-        for index, pose in enumerate(obj.planar.poses)
-        if pose.generated and index not in stale
-    ]
 
 
 def _give_basis(obj: bpy.types.Object, rows: Mask, rest: Array32, present: Array32) -> None:

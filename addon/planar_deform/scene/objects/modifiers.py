@@ -39,6 +39,12 @@ def of_lattice(obj: bpy.types.Object, lattice: bpy.types.Object) -> list[bpy.typ
     return [modifier for modifier in lattices if modifier.object == lattice]
 
 
+def lattices_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """The lattices in which an object hangs, each once; also those whose modifiers are hidden."""
+    found = (modifier.object for modifier in obj.modifiers if modifier.type == "LATTICE")
+    return list(dict.fromkeys(lattice for lattice in found if lattice is not None))
+
+
 def shifting(obj: bpy.types.Object, below: bpy.types.Modifier | None = None) -> list[str]:
     """Names of the modifiers shown in the viewport that move vertices (or may: geometry nodes).
 

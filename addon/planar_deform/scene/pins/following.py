@@ -10,7 +10,7 @@ import numpy as np
 
 from ..objects import mesh_edits, rest_shape
 from ..objects.mesh_edits import Joined
-from ..sequence import joined_parts, merging
+from ..sequence import joined_parts, merging, up_to_date
 from ..sequence.joined_parts import Came
 from . import joining, pin_list, places
 
@@ -35,7 +35,7 @@ def follow(obj: bpy.types.Object) -> list[str]:
     if pin_list.has_pins(obj):
         places.follow(obj)
         joining.remember(obj)
-    joined_parts.remember(obj, mesh_edits.owner_of(obj.data), mesh_edits.up_to_date(obj))
+    joined_parts.remember(obj, mesh_edits.owner_of(obj.data), up_to_date.seen(obj))
     return lost
 
 
@@ -47,6 +47,7 @@ def undone() -> None:
 def forget() -> None:
     """Of another file nothing is known."""
     mesh_edits.forget()
+    up_to_date.forget()
     joining.forget()
     joined_parts.forget()
     merging.forget()

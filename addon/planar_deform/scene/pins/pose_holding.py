@@ -25,5 +25,5 @@ def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion]) -
     found = distortion()
     if max(found.triangle_area.max(), found.triangle_angle.max()) <= DISTORTED:
         return None
-    remedy = "Pin all that is to stay" + (", or use Set Rest to Current" if obj.type == "MESH" else "")
+    remedy = "Pin all that is to stay" + (", or use Set as Rest" if obj.type == "MESH" else "")
     return f"These pins have not made the pose: a drag takes what they do not hold back to rest. {remedy}"

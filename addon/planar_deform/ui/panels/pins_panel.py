@@ -72,6 +72,8 @@ class PLANAR_UL_pins(bpy.types.UIList):
         row.prop(item, "select", text="", emboss=False, icon="RADIOBUT_ON" if item.select else "RADIOBUT_OFF")
         kind = "LATTICE_DATA" if item.lattice_point >= 0 else KIND_ICONS[item.kind]
         row.prop(item, "name", text="", emboss=False, icon=kind)
+        if context.object.type == "LATTICE" and item.object is not None:
+            row.label(text=item.object.name)
         if _fault(context, item, index) is not None:
             row.label(text="", icon="ERROR")
         if context.region.width > WIDE * context.preferences.system.ui_scale:
@@ -87,6 +89,8 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         obj = context.object
+        if obj is not None:
+            _draw_lattices(layout, obj)
         seen = snapshot.of_active(context)
         reason = (
             posing_refusal(obj) or modifiers.covering(obj) or (seen.refusal if seen is not None else None)
@@ -116,6 +120,14 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         row.operator("planar.remove_pins", text="", icon="REMOVE")
         if 0 <= settings.active_pin < len(settings.pins):
             _draw_pin(layout, context, settings.pins[settings.active_pin], settings.active_pin)
+
+
+def _draw_lattices(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """The lattices in which an object hangs, whose pins pose it."""
+    for lattice in modifiers.lattices_of(obj):
+        split = layout.split(factor=0.4)
+        split.label(text="Hangs in")
+        split.operator("planar.select_lattice", text=lattice.name, icon="LATTICE_DATA").lattice = lattice.name
 
 
 def _unheld(obj: bpy.types.Object, seen: snapshot.Snapshot) -> str | None:
@@ -164,8 +176,9 @@ def _draw_pin(
     if pin.follow is not None:
         if pin.follow.type == "ARMATURE":
             column.prop_search(pin, "follow_bone", pin.follow.data, "bones", text="Bone")
-        row = layout.row(align=True)
-        row.operator("planar.solve_to_targets", icon="TRACKER")
+        buttons = layout.column(align=True)
+        buttons.operator("planar.solve_to_targets", icon="TRACKER")
+        row = buttons.row(align=True)
         row.operator("planar.bake_targets", icon="REC", text="Bake")
         row.prop(obj.planar, "live", toggle=True)
     fault = _fault(context, pin, index)

@@ -135,16 +135,15 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
         step = pose_list.step_of(context.object)
         for frames, name in ((1, "On Ones"), (2, "On Twos"), (3, "On Threes")):
             row.operator("planar.step_poses", text=name, depress=step == frames).step = frames
-        row.separator()
-        row.prop(settings, "ease", text="")
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column()
+        column.prop(settings, "ease")
         column.row().prop(settings, "anchor_path", expand=True)
         column.prop(settings, "smooth")
         if settings.active_pose < len(settings.poses) - 1:
             pose = settings.poses[settings.active_pose]
-            column.prop(pose, "turns", text=f"Turns after {pose.name}")
+            column.prop(pose, "turns")
             if pose.edited:
                 text = f"Edited behind {pose.name}: kept as long as its poses stay"
                 lines(layout, text, "INFO", context)

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What to do first, in the status bar, while the Pose tool is active and there are no pins."""
+"""What to do in the status bar while the Pose tool is active: first, with no pins, and after a miss."""
 
 from __future__ import annotations
 
 import bpy
 
 from ...scene.lattice.posed import posing_refusal
+from ...scene.objects.modifiers import lattices_of
 from ...scene.pins.pin_list import has_pins
+from ...scene.telling import said
 from ..draw.in_views import InViews
 from .tool_state import pose_tool_is_active
 
@@ -19,10 +21,17 @@ _shown: dict[int, str] = {}  # by a window's address: what its status bar has be
 
 
 def _text(context: bpy.types.Context) -> str:
-    if not pose_tool_is_active(context) or has_pins(context.object):
+    if not pose_tool_is_active(context):
         return ""
-    reason = posing_refusal(context.object)
-    return reason or (ON_LATTICE if context.object.type == "LATTICE" else FIRST)
+    obj = context.object
+    if said() or has_pins(obj):
+        return said()
+    lattices = [] if obj is None else lattices_of(obj)
+    if lattices:
+        return (
+            f"'{obj.name}' hangs in '{lattices[0].name}': select that, and its pins pose all that hangs there"
+        )
+    return posing_refusal(obj) or (ON_LATTICE if obj.type == "LATTICE" else FIRST)
 
 
 def _draw(header: bpy.types.Header, context: bpy.types.Context) -> None:

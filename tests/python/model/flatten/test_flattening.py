@@ -6,7 +6,7 @@ import pytest
 from test_patches import patches, sheet
 
 from planar_deform import native
-from planar_deform.model.flatten.flattening import Held, PatchError, Settings, flatten
+from planar_deform.model.flatten.flattening import Held, PatchError, Settings, flatten, lengths_kept
 
 NX, NY = 12, 4
 CHORD = 2.0 * np.sin(0.1)  # of a step about the axis
@@ -22,6 +22,13 @@ def bent(seams=()):
 
 def going_on(_share):
     return True
+
+
+def test_lengths_are_compared_edge_by_edge():
+    surface = np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [3.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
+    flat = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 2.4], [0.0, 2.4]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]], np.int32)  # the last one has an edge without length
+    assert lengths_kept(surface, flat, triangles) == pytest.approx((0.8, np.hypot(10.0, 2.4) / 4.0))
 
 
 def test_lengths_stay_and_the_share_done_grows_to_all_of_it():
