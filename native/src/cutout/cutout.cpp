@@ -206,8 +206,9 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
                                       : "This drawing has room for " + std::to_string(n) + " vertices.");
   }
   if (field.dropped_islands > 0) {
-    result.said.push_back(count_of(result.outline.dropped_islands, "speck of ", "specks of ") +
-                          count_of(result.outline.dropped_pixels, "pixel was", "pixels were") + " left out.");
+    result.said.push_back(
+        "Left out as specks: " + count_of(result.outline.dropped_islands, "island", "islands") + ", " +
+        count_of(result.outline.dropped_pixels, "pixel", "pixels") + " in all.");
   }
   progress.at(1.0);
   return result;
