@@ -148,7 +148,7 @@ def test_options_do_what_they_say():
         ([[1.0], [np.nan]], {}, "alpha, row 1: not a number"),
         ([[1.0], [2.0, 3.0]], {}, "alpha: not an array"),
         (np.broadcast_to(np.float32(1), (2**20, 2**20)), {}, "16384 pixels a side are possible"),
-        (np.ones((4, 5)), {"vertices": 1}, "vertices: 1, expected 3 at least"),
+        (np.ones((4, 5)), {"vertices": 1}, "vertices: 1, expected 3 to 2000000"),
         (np.ones((4, 5)), {"vertices": 1.5}, "vertices: not a whole number"),
         (np.ones((4, 5)), {"edge": 0}, "edge"),
         (np.ones((4, 5)), {"margin": -1}, "margin"),

@@ -27,7 +27,7 @@ enum class Holes {
 
 /// Lengths are in pixels of the image.
 struct CutoutOptions {
-  int vertices = 1500;           ///< wished, from 3; what is given as `edge` counts instead
+  int vertices = 1500;           ///< wished, 3 to 2 million; what is given as `edge` counts instead
   std::optional<double> edge{};  ///< length where nothing asks for a shorter one, above 0
 
   /// How far the outline stays away from the art, from 0. Without: a tenth of the edge. Never less than two

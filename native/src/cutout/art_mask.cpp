@@ -10,6 +10,8 @@
 namespace planar {
 namespace {
 
+/// Of these a minute and a gigabyte are needed.
+constexpr int kMostVertices = 2'000'000;
 /// The longest side in samples. Below, details of the outline are lost in its smoothing; above, only time.
 constexpr Eigen::Index kLeastSamples = 512, kMostSamples = 1024;
 /// Where many vertices are wished, an edge has so many samples, up to so large an image: with fewer the sizes
@@ -29,15 +31,15 @@ struct Scale {
   Eigen::Index shrink = 1, enlarge = 1;
 };
 
-Scale working_scale(Eigen::Index longest, double edge, int vertices) {
+Scale working_scale(Eigen::Index longest, double edge, double vertices) {
   Scale scale;
   if (longest > kMostSamples) scale.shrink = (longest + kMostSamples - 1) / kMostSamples;
   if (longest < kLeastSamples) scale.enlarge = (kLeastSamples + longest - 1) / longest;
   const auto fine = [&] {
     return edge * static_cast<double>(scale.enlarge) >= kSamplesAnEdge * static_cast<double>(scale.shrink);
   };
-  const auto most = std::min(kMostSamplesForEdges,
-                             static_cast<Eigen::Index>(kSamplesAnEdge * kEdgesAcross * std::sqrt(vertices)));
+  const double across = kSamplesAnEdge * kEdgesAcross * std::sqrt(vertices);
+  const auto most = static_cast<Eigen::Index>(std::min(static_cast<double>(kMostSamplesForEdges), across));
   while (!fine() && scale.shrink > 1 && longest <= most * (scale.shrink - 1)) --scale.shrink;
   while (!fine() && scale.shrink == 1 && longest * (scale.enlarge + 1) <= most) ++scale.enlarge;
   return scale;
@@ -80,11 +82,19 @@ void require_image_size(const char* name, Eigen::Index height, Eigen::Index widt
   }
 }
 
+void require_vertices(double expected) {
+  if (expected <= kMostVertices) return;
+  throw std::invalid_argument("edge: its mesh would have some " +
+                              std::to_string(std::llround(std::min(expected, 1e18))) + " vertices, at most " +
+                              std::to_string(kMostVertices) + " are made");
+}
+
 void require_options(const CutoutOptions& o) {
   // Written so that what is no number is refused, too.
-  if (o.vertices < 3)
-    throw std::invalid_argument("vertices: " + std::to_string(o.vertices) + ", expected 3 at least");
-  if (o.vertices > most_rows) throw std::invalid_argument("vertices: a mesh of this size is not supported");
+  if (o.vertices < 3 || o.vertices > kMostVertices) {
+    throw std::invalid_argument("vertices: " + std::to_string(o.vertices) + ", expected 3 to " +
+                                std::to_string(kMostVertices));
+  }
   const auto length = [](const char* name, const std::optional<double>& value) {
     if (value && !(*value >= 0.0 && *value <= most_pixels)) refuse(name, *value, "0 to 16384 pixels");
   };
@@ -119,10 +129,11 @@ ArtMask art_mask(const AlphaImage& alpha, const CutoutOptions& options) {
         std::to_string(options.threshold));
   }
   // Of equilateral triangles there are two a vertex.
-  const double wished =
-      std::sqrt(2.0 / std::sqrt(3.0) * static_cast<double>(result.pixels) / options.vertices);
-  result.edge = options.edge.value_or(wished);
-  const Scale scale = working_scale(std::max(alpha.rows(), alpha.cols()), result.edge, options.vertices);
+  const double area = 2.0 / std::sqrt(3.0) * static_cast<double>(result.pixels);
+  result.edge = options.edge.value_or(std::sqrt(area / options.vertices));
+  const double vertices = area / result.edge / result.edge;
+  require_vertices(vertices);
+  const Scale scale = working_scale(std::max(alpha.rows(), alpha.cols()), result.edge, vertices);
   result.sample = static_cast<double>(scale.shrink) / static_cast<double>(scale.enlarge);
   result.mask =
       scale.enlarge > 1 ? enlarged(alpha, threshold, scale.enlarge) : shrunk(alpha, threshold, scale.shrink);

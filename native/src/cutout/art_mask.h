@@ -9,6 +9,9 @@ namespace planar {
 /// \throw std::invalid_argument
 void require_image_size(const char* name, Eigen::Index height, Eigen::Index width);
 
+/// \throw std::invalid_argument more vertices than are made
+void require_vertices(double expected);
+
 /// \throw std::invalid_argument
 void require_options(const CutoutOptions& options);
 

@@ -28,6 +28,7 @@ constexpr int kGapRounds = 3;
 /// Rounds of smoothing: with none the smallest angle is 13 degrees, with 4 it is 20.
 constexpr int kSmoothings = 4;
 constexpr int kWidenings = 3;
+constexpr int kTriangulations = 1 + kGapRounds + kSmoothings + kWidenings;  // at most
 /// Of the wish.
 constexpr double kNear = 0.25, kNearAtOnce = 0.1;
 constexpr int kAttempts = 3;
@@ -74,8 +75,9 @@ struct Filled {
   std::vector<int> rings;  ///< points of each
 };
 
+/// \param told is called before each triangulation
 Filled filled(const OutlineField& field, const std::vector<Points>& rings, const Band& band,
-              const SizeField& sizes, double shortest, double longest) {
+              const SizeField& sizes, double shortest, double longest, const std::function<void()>& told) {
   Filled result;
   std::vector<Points> polygons;
   for (const Points& ring : rings) {
@@ -93,21 +95,25 @@ Filled filled(const OutlineField& field, const std::vector<Points>& rings, const
   PlanarMesh& mesh = result.mesh;
   mesh.points.resize(boundary.rows() + inner.rows(), 2);
   mesh.points << boundary, inner;
-  mesh.triangles = constrained_delaunay(mesh.points, result.rings);
+  const auto triangulate = [&] {
+    told();
+    mesh.triangles = constrained_delaunay(mesh.points, result.rings);
+  };
+  triangulate();
   for (int i = 0; i < kGapRounds; ++i) {
     const Points more = gap_points(mesh.points, mesh.triangles, field.distance, sizes.size, longest);
     if (more.rows() == 0) break;
     mesh.points.conservativeResize(mesh.points.rows() + more.rows(), 2);
     mesh.points.bottomRows(more.rows()) = more;
-    mesh.triangles = constrained_delaunay(mesh.points, result.rings);
+    triangulate();
   }
   for (int i = 0; i < kSmoothings; ++i) {
     smooth_towards_centroids(mesh, field.distance, sizes.size);
-    mesh.triangles = constrained_delaunay(mesh.points, result.rings);
+    triangulate();
   }
   for (int i = 0; i < kWidenings; ++i) {
     widen_angles(mesh);
-    mesh.triangles = constrained_delaunay(mesh.points, result.rings);
+    triangulate();
   }
   return result;
 }
@@ -166,20 +172,22 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   result.outline = described(field, rings);
   const double wished = options.vertices;
   Filled best;
-  double edge = longest, wish = wished, off = 0.0;
+  double edge = longest, wish = wished, off = 0.0, share = 0.5;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     double expected = 0.0;
     SizeField limited = sizes;
     if (!options.edge) edge = sizes.edge_for(wish, &expected);
     limited.limit(edge);
-    Filled now = filled(field, rings, band, limited, shortest, edge);
+    require_vertices(sizes.vertices_for(edge));
+    // Most drawings need one attempt: the next one has half of what is left.
+    const auto told = [&, step = 0.5 * (1.0 - share) / kTriangulations] { progress.at(share += step); };
+    Filled now = filled(field, rings, band, limited, shortest, edge, told);
     const auto n = static_cast<double>(now.mesh.points.rows());
     if (attempt == 0 || std::abs(std::log(n / wished)) < std::abs(off)) {
       off = std::log(n / wished);
       best = std::move(now);
       result.edge = edge * field.sample;
     }
-    progress.at(0.5 + 0.5 * (attempt + 1) / (kAttempts + 1));
     const bool bound = (n > wished && edge >= 0.999 * longest) || (n < wished && edge <= 1.001 * shortest);
     if (options.edge || bound || std::abs(n / wished - 1.0) <= kNearAtOnce) break;
     wish *= wished / n;
@@ -198,10 +206,10 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
     first += size;
   }
   result.shortest = shortest * field.sample;
-  const double share = static_cast<double>(n) / wished;
-  result.reached = options.edge || (share <= 1.0 + kNear && share >= 1.0 - kNear);
+  const double ratio = static_cast<double>(n) / wished;
+  result.reached = options.edge || (ratio <= 1.0 + kNear && ratio >= 1.0 - kNear);
   if (!result.reached) {
-    result.said.push_back(share > 1.0 ? "This drawing needs at least " + std::to_string(n) +
+    result.said.push_back(ratio > 1.0 ? "This drawing needs at least " + std::to_string(n) +
                                             " vertices; with a larger margin fewer."
                                       : "This drawing has room for " + std::to_string(n) + " vertices.");
   }

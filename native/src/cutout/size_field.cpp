@@ -7,7 +7,7 @@ namespace planar {
 namespace {
 
 /// What smoothing, sampling and the straight lines between samples may take of the margin.
-constexpr double kUnsure = 1.0, kLeastBand = 0.25;
+constexpr double kUnsure = 1.1, kLeastBand = 0.25;
 /// Of the distance from the medial axis to the outline: a vertex lies between, in two rows of triangles.
 constexpr double kSizeOfThickness = 1.1;
 /// How far apart feet are for that, in distances: 2 in a strip, 1.4 in a right angle, which is no thin part,

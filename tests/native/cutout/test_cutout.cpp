@@ -127,6 +127,12 @@ TEST(Cutout, EdgesAreAsLongAsGiven) {
   }
 }
 
+TEST(Cutout, RefusesMeshesThatNobodyCanUse) {
+  CutoutOptions options;
+  options.edge = 0.01;
+  EXPECT_REFUSAL(cutout(AlphaImage::Ones(2000, 2000), options), "vertices, at most 2000000 are made");
+}
+
 /// A vertex lies between the two sides of every limb: no triangle has all of its vertices on the boundary and
 /// none of its sides.
 TEST(Cutout, ThinPartsHaveTwoRowsOfTriangles) {

@@ -164,7 +164,7 @@ TEST(Outline, RefusesOptionsOutOfRange) {
     change(options);
     return outline(alpha, options);
   };
-  EXPECT_REFUSAL(with([](auto& o) { o.vertices = 2; }), "vertices: 2, expected 3 at least");
+  EXPECT_REFUSAL(with([](auto& o) { o.vertices = 2; }), "vertices: 2, expected 3 to 2000000");
   for (const double wrong : {0.0, -1.0, nan}) EXPECT_REFUSAL(with([&](auto& o) { o.edge = wrong; }), "edge");
   for (const double wrong : {-1.0, nan, 1e9}) {
     EXPECT_REFUSAL(with([&](auto& o) { o.margin = wrong; }), "margin");
