@@ -42,6 +42,7 @@ Points boundary_polygon(const Points& ring, const Grid<float>& distance, const G
                         const Band& band) {
   const auto n = static_cast<int>(ring.rows());
   std::vector<double> sizes;
+  sizes.reserve(at(n));
   for (int i = 0; i < n; ++i) sizes.push_back(std::max(kRingStep, sample(size, ring(i, 0), ring(i, 1))));
   const auto holds = [&](double from, double to) {
     return band.holds(distance, on_ring(ring, from), on_ring(ring, to));

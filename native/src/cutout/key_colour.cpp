@@ -47,6 +47,7 @@ Keyed key_colour(const Colours& colours, Eigen::Index height, Eigen::Index width
   Eigen::RowVector3f key;
   for (int c = 0; c < 3; ++c) {
     std::vector<float> values;
+    values.reserve(border.size());
     for (const Eigen::Index i : border) values.push_back(colours(i, c));
     key[c] = result.colour[at(c)] = median(std::move(values));
   }

@@ -13,6 +13,8 @@ namespace {
 constexpr double kInside = 0.3;
 /// Radians below this count so much more than others.
 constexpr double kSmall = 30.0 * 3.14159265358979 / 180.0, kDislike = 20.0;
+/// Of steps in the search for a better place, from a quarter of the longest edge: to a sixtieth.
+constexpr int kHalvings = 5;
 /// Radians: wider than this all about a point there is nothing to gain.
 constexpr double kWide = 52.0 * 3.14159265358979 / 180.0;
 
@@ -88,7 +90,8 @@ void widen_angles(PlanarMesh& mesh) {
         length = std::max(length, (mesh.points.row(corner[c]) - mesh.points.row(i)).norm());
     }
     constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-    for (double step = 0.25 * length; step > 0.01 * length; step *= 0.5) {
+    double step = 0.25 * length;
+    for (int halving = 0; halving < kHalvings; ++halving, step *= 0.5) {
       bool better = true;
       for (int round = 0; better && round < 8; ++round) {
         better = false;
