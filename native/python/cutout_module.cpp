@@ -20,11 +20,14 @@ namespace py = pybind11;
 namespace planar::python {
 namespace {
 
-CutoutOptions to_cutout_options(int vertices, std::optional<double> edge, std::optional<double> margin,
-                                std::optional<double> rounding, double threshold, const std::string& holes,
-                                std::optional<double> smallest, double finest, py::handle progress) {
+// outline and cutout take the same.
+template <typename Result, Result (*make)(const AlphaImage&, const CutoutOptions&)>
+Result made_of_image(py::handle alpha, py::handle vertices, std::optional<double> edge,
+                     std::optional<double> margin, std::optional<double> rounding, double threshold,
+                     const std::string& holes, std::optional<double> smallest, double finest,
+                     py::handle progress) {
   CutoutOptions options;
-  options.vertices = vertices;
+  options.vertices = to_whole("vertices", vertices);
   options.edge = edge;
   options.margin = margin;
   options.rounding = rounding;
@@ -33,29 +36,9 @@ CutoutOptions to_cutout_options(int vertices, std::optional<double> edge, std::o
   options.smallest = smallest;
   options.finest = finest;
   options.progress = to_progress(progress);
-  return options;
-}
-
-Outline py_outline(py::handle alpha, py::handle vertices, std::optional<double> edge,
-                   std::optional<double> margin, std::optional<double> rounding, double threshold,
-                   const std::string& holes, std::optional<double> smallest, double finest,
-                   py::handle progress) {
-  const CutoutOptions options = to_cutout_options(to_whole("vertices", vertices), edge, margin, rounding,
-                                                  threshold, holes, smallest, finest, progress);
   const AlphaImage image = to_alpha("alpha", alpha);
   const py::gil_scoped_release unlocked;
-  return outline(image, options);
-}
-
-Cutout py_cutout(py::handle alpha, py::handle vertices, std::optional<double> edge,
-                 std::optional<double> margin, std::optional<double> rounding, double threshold,
-                 const std::string& holes, std::optional<double> smallest, double finest,
-                 py::handle progress) {
-  const CutoutOptions options = to_cutout_options(to_whole("vertices", vertices), edge, margin, rounding,
-                                                  threshold, holes, smallest, finest, progress);
-  const AlphaImage image = to_alpha("alpha", alpha);
-  const py::gil_scoped_release unlocked;
-  return cutout(image, options);
+  return make(image, options);
 }
 
 Keyed py_key_colour(py::handle pixels, double tolerance) {
@@ -117,7 +100,7 @@ void bind_cutout(py::module_& m) {
   keyed_class.attr("__module__") = "planar_native";
 
   m.def(
-      "cutout", &py_cutout, py::arg("alpha"), py::kw_only(), py::arg("vertices") = 1500,
+      "cutout", &made_of_image<Cutout, cutout>, py::arg("alpha"), py::kw_only(), py::arg("vertices") = 1500,
       py::arg("edge") = py::none(), py::arg("margin") = py::none(), py::arg("rounding") = py::none(),
       py::arg("threshold") = 0.05, py::arg("holes") = "KEEP", py::arg("smallest") = py::none(),
       py::arg("finest") = 6.0, py::arg("progress") = py::none(),
@@ -136,10 +119,10 @@ progress(share) is called now and then; it answers True, False or None, and Fals
 Returns a Cutout, whose `said` has what who made the wish should know. Raises ValueError (shape, dtype, numbers, an empty or too large
 image, nothing above the threshold), SolveError and Cancelled.)");
   m.def(
-      "outline", &py_outline, py::arg("alpha"), py::kw_only(), py::arg("vertices") = 1500,
-      py::arg("edge") = py::none(), py::arg("margin") = py::none(), py::arg("rounding") = py::none(),
-      py::arg("threshold") = 0.05, py::arg("holes") = "KEEP", py::arg("smallest") = py::none(),
-      py::arg("finest") = 6.0, py::arg("progress") = py::none(),
+      "outline", &made_of_image<Outline, outline>, py::arg("alpha"), py::kw_only(),
+      py::arg("vertices") = 1500, py::arg("edge") = py::none(), py::arg("margin") = py::none(),
+      py::arg("rounding") = py::none(), py::arg("threshold") = 0.05, py::arg("holes") = "KEEP",
+      py::arg("smallest") = py::none(), py::arg("finest") = 6.0, py::arg("progress") = py::none(),
       R"(outline(alpha, *, vertices=1500, edge=None, margin=None, rounding=None, threshold=0.05, holes="KEEP", smallest=None, finest=6.0, progress=None)
 
 The outline that cutout fills, without filling it. Arguments and errors as cutout. Returns an Outline.)");
