@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, how good the
 in-betweens of these poses are, beside the printed form and a polar blend, how lattices pose, beside the
-printed form, how ARAP does beside the other methods, and how surfaces are laid flat, beside libigl, in one
-run.
+printed form, how ARAP does beside the other methods, how surfaces are laid flat, beside libigl, and how
+drawings are meshed, in one run.
 
 Exits with 1 when one of the printed conditions fails. tools/figures.sh runs it with all it needs.
 """
@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 from figures_arap import arap_table
+from figures_cutout import cutout_table
 from figures_data import bent_bar, read_shape
 from figures_flatten import flatten_table
 from figures_inbetweens import inbetween_table
@@ -31,8 +32,10 @@ TABLES = {
     "lattice": lattice_table,
     "arap": arap_table,
     "flatten": flatten_table,
+    "cutout": cutout_table,
 }
-BAR_TOO = ("settle", "inbetweens", "arap", "flatten")  # have something to measure without characters
+# Those that have something to measure without characters.
+BAR_TOO = ("settle", "inbetweens", "arap", "flatten", "cutout")
 
 
 def main() -> int:
@@ -44,15 +47,16 @@ def main() -> int:
         nargs="?",
         type=Path,
         default=SHARED,
-        help="characters: *.obj, poses in *.json (default: %(default)s)",
+        help="characters: *.obj, poses in *.json; drawings: *.png, images/*.png (default: %(default)s)",
     )
     parser.add_argument("--table", choices=TABLES, help="only this one")
     arguments = parser.parse_args()
     characters = [read_shape(path) for path in sorted(arguments.folder.glob("*.obj"))]
     if not characters:
         print(f"No characters (*.obj) in {arguments.folder}: only the bar is measured.\n")
+    given = {"settle": [bent_bar(), *characters], "cutout": arguments.folder}
     results = [
-        table([bent_bar(), *characters] if name == "settle" else characters)
+        table(given.get(name, characters))
         for name, table in TABLES.items()
         if arguments.table in (None, name) and (characters or name in BAR_TOO)
     ]

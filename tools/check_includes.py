@@ -23,6 +23,7 @@ MAY_INCLUDE = {
     "inbetween": {"base", "parallel", "linear", "mesh", "energy", "posing"},
     "lattice": {"base", "parallel", "linear", "mesh", "energy"},
     "flatten": {"base", "parallel", "linear", "mesh", "energy", "posing"},
+    "cutout": {"base", "mesh"},
 }
 PUBLIC_ROOM = {
     "planar/types.h": "base",
@@ -38,6 +39,7 @@ PUBLIC_ROOM = {
     "planar/transfer.h": "inbetween",
     "planar/lattice.h": "lattice",
     "planar/flatten.h": "flatten",
+    "planar/cutout.h": "cutout",
 }
 
 

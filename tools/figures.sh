@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Prints how well and how fast the module poses characters, beside libigl, and how good its in-betweens and lattices
-# are, what each method of posing does, and how surfaces are laid flat, in an environment of its own.
-# usage: tools/figures.sh [FOLDER] [--table distortion|loops|settle|inbetweens|lattice|arap|flatten]
+# are, what each method of posing does, how surfaces are laid flat, and how drawings are meshed, in an environment of
+# its own.
+# usage: tools/figures.sh [FOLDER] [--table distortion|loops|settle|inbetweens|lattice|arap|flatten|cutout]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=tools/packages.sh

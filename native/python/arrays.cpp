@@ -263,6 +263,50 @@ Handles to_handles(py::handle value, const Triangles& triangles, Eigen::Index n_
   return Handles::in_triangles(triangle, weights, triangles, n_vertices);
 }
 
+namespace {
+
+// An image's numbers, row after row, and what they are to be multiplied by.
+struct ImageNumbers {
+  py::array_t<float, py::array::c_style | py::array::forcecast> values;
+  float scale;
+};
+
+ImageNumbers image_numbers(const std::string& name, const py::array& array) {
+  const char kind = array.dtype().kind();
+  const py::ssize_t bytes = array.dtype().itemsize();
+  if (kind != 'f' && kind != 'b' && (kind != 'u' || bytes > 2)) {
+    refuse(name, "dtype " + py::str(array.dtype()).cast<std::string>() +
+                     ", expected real numbers, truths or unsigned numbers of one or two bytes");
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    if (array.shape(axis) <= most_pixels) continue;
+    refuse(name, "shape " + shape_text(array) + ", at most " + std::to_string(most_pixels) +
+                     " pixels a side are possible: make the image smaller");
+  }
+  return {array, kind != 'u' ? 1.0f : bytes == 1 ? 1.0f / 255.0f : 1.0f / 65535.0f};
+}
+
+}  // namespace
+
+AlphaImage to_alpha(const std::string& name, py::handle value) {
+  const py::array array = as_array(name, value);
+  if (array.ndim() != 2) refuse(name, "shape " + shape_text(array) + ", expected (height, width)");
+  const auto [values, scale] = image_numbers(name, array);
+  return scale * Eigen::Map<const AlphaImage>(values.data(), values.shape(0), values.shape(1));
+}
+
+Colours to_colours(const std::string& name, py::handle value, Eigen::Index* height, Eigen::Index* width) {
+  const py::array array = as_array(name, value);
+  if (array.ndim() != 3 || (array.shape(2) != 3 && array.shape(2) != 4)) {
+    refuse(name, "shape " + shape_text(array) + ", expected (height, width, 3 or 4)");
+  }
+  const auto [values, scale] = image_numbers(name, array);
+  *height = values.shape(0);
+  *width = values.shape(1);
+  using Channels = Eigen::Map<const AlphaImage>;
+  return scale * Channels(values.data(), *height * *width, values.shape(2)).leftCols<3>();
+}
+
 py::array_t<double> frames_array(const std::vector<Points>& frames, Eigen::Index n_vertices) {
   py::array_t<double> array(
       {static_cast<py::ssize_t>(frames.size()), static_cast<py::ssize_t>(n_vertices), py::ssize_t{2}});

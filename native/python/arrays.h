@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "planar/cutout.h"
 #include "planar/handle.h"
 #include "planar/lattice.h"
 #include "planar/types.h"
@@ -72,6 +73,13 @@ Elements to_elements(pybind11::handle triangles, pybind11::handle edges);
 
 // An integer array of k vertices, or a tuple (k triangle indices, k×3 barycentric weights).
 Handles to_handles(pybind11::handle value, const Triangles& triangles, Eigen::Index n_vertices);
+
+// h×w real numbers as they are, truths, or whole numbers of one or two bytes that stand for 0 to 1.
+AlphaImage to_alpha(const std::string& name, pybind11::handle value);
+
+// h×w×3 or h×w×4 of the same; the fourth is left out.
+Colours to_colours(const std::string& name, pybind11::handle value, Eigen::Index* height,
+                   Eigen::Index* width);
 
 // The other way: frames of n_vertices each as f×n×2.
 pybind11::array_t<double> frames_array(const std::vector<Points>& frames, Eigen::Index n_vertices);

@@ -9,6 +9,7 @@ namespace planar::python {
 void bind_akvf(pybind11::module_& m);
 void bind_arap(pybind11::module_& m);
 void bind_build_info(pybind11::module_& m);
+void bind_cutout(pybind11::module_& m);
 void bind_distortion(pybind11::module_& m);
 void bind_flatten(pybind11::module_& m);
 void bind_inbetween(pybind11::module_& m);

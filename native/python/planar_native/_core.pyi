@@ -2,7 +2,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, final
 
-from numpy import bool_, float64, int32
+from numpy import bool_, float32, float64, int32
 from numpy.typing import ArrayLike, NDArray
 
 _Handles = ArrayLike | tuple[ArrayLike, ArrayLike]
@@ -256,4 +256,88 @@ class Flattener:
     @property
     def report(self) -> Report: ...
 
+@final
+class Outline:
+    @property
+    def rings(self) -> list[NDArray[float64]]: ...
+    @property
+    def edge(self) -> float: ...
+    @property
+    def margin(self) -> float: ...
+    @property
+    def rounding(self) -> float: ...
+    @property
+    def sample(self) -> float: ...
+    @property
+    def islands(self) -> int: ...
+    @property
+    def holes(self) -> int: ...
+    @property
+    def dropped_islands(self) -> int: ...
+    @property
+    def dropped_pixels(self) -> int: ...
+    @property
+    def filled_holes(self) -> int: ...
+
+@final
+class Cutout:
+    @property
+    def points(self) -> NDArray[float64]: ...
+    @property
+    def triangles(self) -> NDArray[int32]: ...
+    @property
+    def parts(self) -> NDArray[int32]: ...
+    @property
+    def n_parts(self) -> int: ...
+    @property
+    def rings(self) -> list[NDArray[int32]]: ...
+    @property
+    def outline(self) -> Outline: ...
+    @property
+    def edge(self) -> float: ...
+    @property
+    def shortest(self) -> float: ...
+    @property
+    def reached(self) -> bool: ...
+    @property
+    def said(self) -> list[str]: ...
+
+@final
+class Keyed:
+    @property
+    def alpha(self) -> NDArray[float32]: ...
+    @property
+    def keyed(self) -> bool: ...
+    @property
+    def colour(self) -> list[float]: ...
+    @property
+    def said(self) -> str: ...
+
+def cutout(
+    alpha: ArrayLike,
+    *,
+    vertices: int = 1500,
+    edge: float | None = None,
+    margin: float | None = None,
+    rounding: float | None = None,
+    threshold: float = 0.05,
+    holes: Literal["KEEP", "FILL"] = "KEEP",
+    smallest: float | None = None,
+    finest: float = 6.0,
+    progress: Callable[[float], bool | None] | None = None,
+) -> Cutout: ...
+def outline(
+    alpha: ArrayLike,
+    *,
+    vertices: int = 1500,
+    edge: float | None = None,
+    margin: float | None = None,
+    rounding: float | None = None,
+    threshold: float = 0.05,
+    holes: Literal["KEEP", "FILL"] = "KEEP",
+    smallest: float | None = None,
+    finest: float = 6.0,
+    progress: Callable[[float], bool | None] | None = None,
+) -> Outline: ...
+def key_colour(pixels: ArrayLike, *, tolerance: float = 24.0 / 255.0) -> Keyed: ...
 def build_info() -> dict[str, Any]: ...

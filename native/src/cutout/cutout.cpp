@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planar/cutout.h"
+
+#include <cmath>
+
+#include "cutout/art_mask.h"
+#include "cutout/boundary.h"
+#include "cutout/contour.h"
+#include "cutout/delaunay.h"
+#include "cutout/interior.h"
+#include "cutout/outline_field.h"
+#include "cutout/size_field.h"
+#include "cutout/smoothing.h"
+#include "mesh/mesh.h"
+
+namespace planar {
+namespace {
+
+/// Shorter rings than so many margins are noise: a single sample's is of more than six.
+constexpr double kLeastRing = 3.0;
+/// Edges may get so much longer than evenly spread vertices would have them, so that thin parts may have more
+/// of these.
+constexpr double kLongest = 2.0;
+/// Samples: shorter edges are steps of the samples.
+constexpr double kShortest = 1.5;
+/// Rounds in which gaps are filled; there are few left after the first.
+constexpr int kGapRounds = 3;
+/// Rounds of smoothing: with none the smallest angle is 13 degrees, with 4 it is 20.
+constexpr int kSmoothings = 4;
+constexpr int kWidenings = 3;
+constexpr int kTriangulations = 1 + kGapRounds + kSmoothings + kWidenings;  // at most
+/// Of the wish.
+constexpr double kNear = 0.25, kNearAtOnce = 0.1;
+constexpr int kAttempts = 3;
+
+class Progress {
+ public:
+  explicit Progress(const std::function<bool(double)>& callback) : callback_(callback) {}
+  void at(double share) const {
+    if (callback_ && !callback_(share)) throw Cancelled();
+  }
+
+ private:
+  const std::function<bool(double)>& callback_;
+};
+
+/// Contours made even, in samples.
+std::vector<Points> rings_of(const OutlineField& field) {
+  std::vector<Points> rings;
+  for (const Points& contour : zero_contours(field.distance)) {
+    if (perimeter(contour) > kLeastRing * field.margin) rings.push_back(even_ring(contour, kRingStep));
+  }
+  return rings;
+}
+
+Outline described(const OutlineField& field, const std::vector<Points>& rings) {
+  Outline result{};
+  for (const Points& ring : rings) {
+    result.rings.push_back(field.to_pixels(ring));
+    ++(signed_area(ring) > 0.0 ? result.islands : result.holes);
+  }
+  result.edge = field.edge * field.sample;
+  result.margin = field.margin * field.sample;
+  result.rounding = field.rounding * field.sample;
+  result.sample = field.sample;
+  result.dropped_islands = field.dropped_islands;
+  result.dropped_pixels = static_cast<Eigen::Index>(
+      std::lround(static_cast<double>(field.dropped_samples) * field.sample * field.sample));
+  result.filled_holes = field.filled_holes;
+  return result;
+}
+
+struct Filled {
+  PlanarMesh mesh;
+  std::vector<int> rings;  ///< points of each
+};
+
+/// \param told is called before each triangulation
+Filled filled(const OutlineField& field, const std::vector<Points>& rings, const Band& band,
+              const SizeField& sizes, double shortest, double longest, const std::function<void()>& told) {
+  Filled result;
+  std::vector<Points> polygons;
+  for (const Points& ring : rings) {
+    polygons.push_back(boundary_polygon(ring, field.distance, sizes.size, band));
+    result.rings.push_back(static_cast<int>(polygons.back().rows()));
+    result.mesh.fixed += polygons.back().rows();
+  }
+  Points boundary(result.mesh.fixed, 2);
+  Eigen::Index row = 0;
+  for (const Points& polygon : polygons) {
+    boundary.middleRows(row, polygon.rows()) = polygon;
+    row += polygon.rows();
+  }
+  const Points inner = interior_points(boundary, field.distance, sizes.size, shortest, longest);
+  PlanarMesh& mesh = result.mesh;
+  mesh.points.resize(boundary.rows() + inner.rows(), 2);
+  mesh.points << boundary, inner;
+  const auto triangulate = [&] {
+    told();
+    mesh.triangles = constrained_delaunay(mesh.points, result.rings);
+  };
+  triangulate();
+  for (int i = 0; i < kGapRounds; ++i) {
+    const Points more = gap_points(mesh.points, mesh.triangles, field.distance, sizes.size, longest);
+    if (more.rows() == 0) break;
+    mesh.points.conservativeResize(mesh.points.rows() + more.rows(), 2);
+    mesh.points.bottomRows(more.rows()) = more;
+    triangulate();
+  }
+  for (int i = 0; i < kSmoothings; ++i) {
+    smooth_towards_centroids(mesh, field.distance, sizes.size);
+    triangulate();
+  }
+  for (int i = 0; i < kWidenings; ++i) {
+    widen_angles(mesh);
+    triangulate();
+  }
+  return result;
+}
+
+/// Points that are in no triangle are left out.
+void keep_used(PlanarMesh& mesh) {
+  std::vector<int> row(at(mesh.points.rows()), -1);
+  for (Eigen::Index i = 0; i < mesh.fixed; ++i) row[at(i)] = 0;
+  for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) row[at(mesh.triangles.data()[i])] = 0;
+  int n = 0;
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
+    if (row[at(i)] < 0) continue;
+    mesh.points.row(n) = mesh.points.row(i).eval();
+    row[at(i)] = n++;
+  }
+  mesh.points.conservativeResize(n, 2);
+  for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i)
+    mesh.triangles.data()[i] = row[at(mesh.triangles.data()[i])];
+}
+
+std::string count_of(Eigen::Index n, const char* one, const char* many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+}  // namespace
+
+Outline outline(const AlphaImage& alpha, const CutoutOptions& options) {
+  require_options(options);
+  const Progress progress(options.progress);
+  progress.at(0.0);
+  const ArtMask art = art_mask(alpha, options);
+  progress.at(0.2);
+  const OutlineField field = outline_field(art, options, 0.0);
+  progress.at(0.8);
+  Outline result = described(field, rings_of(field));
+  progress.at(1.0);
+  return result;
+}
+
+Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
+  require_options(options);
+  const Progress progress(options.progress);
+  progress.at(0.0);
+  const ArtMask art = art_mask(alpha, options);
+  progress.at(0.1);
+  const OutlineField field = outline_field(art, options, kLongest);
+  progress.at(0.3);
+  const std::vector<Points> rings = rings_of(field);
+  const Band band(field);
+  const double shortest = std::max(kShortest, field.edge / options.finest);
+  const double longest = std::max(shortest, options.edge ? field.edge : kLongest * field.edge);
+  SizeField sizes(field, rings, band, shortest, longest);
+  progress.at(0.5);
+
+  Cutout result{};
+  result.outline = described(field, rings);
+  const double wished = options.vertices;
+  Filled best;
+  double edge = longest, wish = wished, off = 0.0, share = 0.5;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    double expected = 0.0;
+    SizeField limited = sizes;
+    if (!options.edge) edge = sizes.edge_for(wish, &expected);
+    limited.limit(edge);
+    require_vertices(sizes.vertices_for(edge));
+    // Most drawings need one attempt: the next one has half of what is left.
+    const auto told = [&, step = 0.5 * (1.0 - share) / kTriangulations] { progress.at(share += step); };
+    Filled now = filled(field, rings, band, limited, shortest, edge, told);
+    const auto n = static_cast<double>(now.mesh.points.rows());
+    if (attempt == 0 || std::abs(std::log(n / wished)) < std::abs(off)) {
+      off = std::log(n / wished);
+      best = std::move(now);
+      result.edge = edge * field.sample;
+    }
+    const bool bound = (n > wished && edge >= 0.999 * longest) || (n < wished && edge <= 1.001 * shortest);
+    if (options.edge || bound || std::abs(n / wished - 1.0) <= kNearAtOnce) break;
+    wish *= wished / n;
+  }
+  keep_used(best.mesh);
+
+  const auto n = best.mesh.points.rows();
+  result.points = field.to_pixels(best.mesh.points);
+  result.triangles = best.mesh.triangles;
+  const Mesh mesh(n, result.triangles);
+  result.parts = Eigen::Map<const Eigen::VectorXi>(mesh.part.data(), n);
+  result.n_parts = mesh.n_parts;
+  int first = 0;
+  for (const int size : best.rings) {
+    result.rings.push_back(Eigen::VectorXi::LinSpaced(size, first, first + size - 1));
+    first += size;
+  }
+  result.shortest = shortest * field.sample;
+  const double ratio = static_cast<double>(n) / wished;
+  result.reached = options.edge || (ratio <= 1.0 + kNear && ratio >= 1.0 - kNear);
+  if (!result.reached) {
+    result.said.push_back(ratio > 1.0 ? "This drawing needs at least " + std::to_string(n) +
+                                            " vertices; with a larger margin fewer."
+                                      : "This drawing has room for " + std::to_string(n) + " vertices.");
+  }
+  if (field.dropped_islands > 0) {
+    result.said.push_back(
+        "Left out as specks: " + count_of(result.outline.dropped_islands, "island", "islands") + ", " +
+        count_of(result.outline.dropped_pixels, "pixel", "pixels") + " in all.");
+  }
+  progress.at(1.0);
+  return result;
+}
+
+}  // namespace planar
