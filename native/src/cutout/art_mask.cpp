@@ -11,16 +11,16 @@ namespace planar {
 namespace {
 
 /// Of these a minute and a gigabyte are needed.
-constexpr int kMostVertices = 2'000'000;
+constexpr int most_vertices = 2'000'000;
 /// The longest side in samples. Below, details of the outline are lost in its smoothing; above, only time.
-constexpr Eigen::Index kLeastSamples = 512, kMostSamples = 1024;
+constexpr Eigen::Index least_samples = 512, most_samples = 1024;
 /// Where many vertices are wished, an edge has so many samples, up to so large an image: with fewer the sizes
 /// of triangles are too coarse steps.
-constexpr double kSamplesAnEdge = 5.0;
-constexpr Eigen::Index kMostSamplesForEdges = 4096;
+constexpr double samples_an_edge = 5.0;
+constexpr Eigen::Index most_samples_for_edges = 4096;
 /// A square of evenly spread vertices has their root along its side; twice that is for art that fills a
 /// quarter of the image. More is for dots, which their margin joins.
-constexpr double kEdgesAcross = 2.0;
+constexpr double edges_across = 2.0;
 
 [[noreturn]] void refuse(const char* name, double value, const char* wanted) {
   throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected " + wanted);
@@ -33,13 +33,13 @@ struct Scale {
 
 Scale working_scale(Eigen::Index longest, double edge, double vertices) {
   Scale scale;
-  if (longest > kMostSamples) scale.shrink = (longest + kMostSamples - 1) / kMostSamples;
-  if (longest < kLeastSamples) scale.enlarge = (kLeastSamples + longest - 1) / longest;
+  if (longest > most_samples) scale.shrink = (longest + most_samples - 1) / most_samples;
+  if (longest < least_samples) scale.enlarge = (least_samples + longest - 1) / longest;
   const auto fine = [&] {
-    return edge * static_cast<double>(scale.enlarge) >= kSamplesAnEdge * static_cast<double>(scale.shrink);
+    return edge * static_cast<double>(scale.enlarge) >= samples_an_edge * static_cast<double>(scale.shrink);
   };
-  const double across = kSamplesAnEdge * kEdgesAcross * std::sqrt(vertices);
-  const auto most = static_cast<Eigen::Index>(std::min(static_cast<double>(kMostSamplesForEdges), across));
+  const double across = samples_an_edge * edges_across * std::sqrt(vertices);
+  const auto most = static_cast<Eigen::Index>(std::min(static_cast<double>(most_samples_for_edges), across));
   while (!fine() && scale.shrink > 1 && longest <= most * (scale.shrink - 1)) --scale.shrink;
   while (!fine() && scale.shrink == 1 && longest * (scale.enlarge + 1) <= most) ++scale.enlarge;
   return scale;
@@ -83,17 +83,17 @@ void require_image_size(const char* name, Eigen::Index height, Eigen::Index widt
 }
 
 void require_vertices(double expected) {
-  if (expected <= kMostVertices) return;
+  if (expected <= most_vertices) return;
   throw std::invalid_argument("edge: its mesh would have some " +
                               std::to_string(std::llround(std::min(expected, 1e18))) + " vertices, at most " +
-                              std::to_string(kMostVertices) + " are made");
+                              std::to_string(most_vertices) + " are made");
 }
 
 void require_options(const CutoutOptions& o) {
   // Written so that what is no number is refused, too.
-  if (o.vertices < 3 || o.vertices > kMostVertices) {
+  if (o.vertices < 3 || o.vertices > most_vertices) {
     throw std::invalid_argument("vertices: " + std::to_string(o.vertices) + ", expected 3 to " +
-                                std::to_string(kMostVertices));
+                                std::to_string(most_vertices));
   }
   const auto length = [](const char* name, const std::optional<double>& value) {
     if (value && !(*value >= 0.0 && *value <= most_pixels)) refuse(name, *value, "0 to 16384 pixels");

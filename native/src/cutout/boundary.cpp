@@ -6,10 +6,10 @@
 namespace planar {
 namespace {
 
-constexpr int kLeastPoints = 6;
+constexpr int least_points = 6;
 /// Sizes are shortened by so much where a line leaves the band, so often; what is left is halved.
-constexpr double kShortened = 0.75;
-constexpr int kRounds = 8;
+constexpr double shortening = 0.75;
+constexpr int polygon_rounds = 8;
 
 Eigen::RowVector2d on_ring(const Points& ring, double place) {
   const auto i = static_cast<Eigen::Index>(place);
@@ -23,9 +23,9 @@ std::vector<double> even_places(const std::vector<double>& size) {
   const std::size_t n = size.size();
   std::vector<double> sum(n + 1, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
-    sum[i + 1] = sum[i] + 0.5 * kRingStep * (1.0 / size[i] + 1.0 / size[(i + 1) % n]);
+    sum[i + 1] = sum[i] + 0.5 * ring_step * (1.0 / size[i] + 1.0 / size[(i + 1) % n]);
   }
-  const auto count = static_cast<std::size_t>(std::max<double>(kLeastPoints, std::ceil(sum[n] - 1e-9)));
+  const auto count = static_cast<std::size_t>(std::max<double>(least_points, std::ceil(sum[n] - 1e-9)));
   std::vector<double> places(count);
   std::size_t from = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -43,13 +43,13 @@ Points boundary_polygon(const Points& ring, const Grid<float>& distance, const G
   const auto n = static_cast<int>(ring.rows());
   std::vector<double> sizes;
   sizes.reserve(at(n));
-  for (int i = 0; i < n; ++i) sizes.push_back(std::max(kRingStep, sample(size, ring(i, 0), ring(i, 1))));
+  for (int i = 0; i < n; ++i) sizes.push_back(std::max(ring_step, sample(size, ring(i, 0), ring(i, 1))));
   const auto holds = [&](double from, double to) {
     return band.holds(distance, on_ring(ring, from), on_ring(ring, to));
   };
 
   std::vector<double> places;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < polygon_rounds; ++round) {
     places = even_places(sizes);
     bool all = true;
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -58,7 +58,7 @@ Points boundary_polygon(const Points& ring, const Grid<float>& distance, const G
       all = false;
       for (int i = static_cast<int>(from) - 2; i <= static_cast<int>(to) + 3; ++i) {
         double& s = sizes[at((i % n + n) % n)];
-        s = std::max(kRingStep, kShortened * s);
+        s = std::max(ring_step, shortening * s);
       }
     }
     if (all) break;

@@ -5,7 +5,7 @@
 
 namespace planar {
 
-/// Points of an even ring (kRingStep) about as far apart as the sizes where they lie, 6 at least, such that
+/// Points of an even ring (ring_step) about as far apart as the sizes where they lie, 6 at least, such that
 /// the straight lines between them stay in the band.
 Points boundary_polygon(const Points& ring, const Grid<float>& distance, const Grid<float>& size,
                         const Band& band);

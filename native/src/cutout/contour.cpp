@@ -13,11 +13,11 @@ struct Segment {
 };
 
 /// A crossing is never at a sample itself, where those of four sides would be one point.
-constexpr double kFromSample = 0.01;
+constexpr double from_sample = 0.01;
 
 /// By which corners are above zero: 1 for (x, y), 2 for (x+1, y), 4 for (x+1, y+1), 8 for (x, y+1). With two
 /// of them across, 5 and 10, what is above zero is joined, and 16 more stand for its being apart.
-constexpr int kApart = 16;
+constexpr int saddle = 16;
 
 std::array<Segment, 2> segments(int corners) {
   constexpr Segment none{-1, -1};
@@ -32,7 +32,7 @@ std::array<Segment, 2> segments(int corners) {
       return {{{2, 1}, none}};
     case 5:
       return {{{0, 1}, {2, 3}}};
-    case 5 + kApart:
+    case 5 + saddle:
       return {{{0, 3}, {2, 1}}};
     case 6:
       return {{{2, 0}, none}};
@@ -44,7 +44,7 @@ std::array<Segment, 2> segments(int corners) {
       return {{{0, 2}, none}};
     case 10:
       return {{{3, 0}, {1, 2}}};
-    case 10 + kApart:
+    case 10 + saddle:
       return {{{1, 0}, {3, 2}}};
     case 11:
       return {{{1, 2}, none}};
@@ -62,7 +62,7 @@ std::array<Segment, 2> segments(int corners) {
 std::array<Segment, 2> segments_of(const Grid<float>& values, int x, int y) {
   const float a = values(x, y), b = values(x + 1, y), c = values(x + 1, y + 1), d = values(x, y + 1);
   int corners = (a > 0.0f ? 1 : 0) + (b > 0.0f ? 2 : 0) + (c > 0.0f ? 4 : 0) + (d > 0.0f ? 8 : 0);
-  if ((corners == 5 || corners == 10) && a + b + c + d <= 0.0f) corners += kApart;
+  if ((corners == 5 || corners == 10) && a + b + c + d <= 0.0f) corners += saddle;
   return segments(corners);
 }
 
@@ -71,7 +71,7 @@ Eigen::RowVector2d crossing(const Grid<float>& values, int x, int y, int side) {
   const bool flat = side == 0 || side == 2;
   const double a = static_cast<double>(values(x0, y0));
   const double b = static_cast<double>(values(x0 + (flat ? 1 : 0), y0 + (flat ? 0 : 1)));
-  const double share = std::clamp(a / (a - b), kFromSample, 1.0 - kFromSample);
+  const double share = std::clamp(a / (a - b), from_sample, 1.0 - from_sample);
   return {x0 + (flat ? share : 0.0), y0 + (flat ? 0.0 : share)};
 }
 

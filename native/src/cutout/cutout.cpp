@@ -17,21 +17,21 @@ namespace planar {
 namespace {
 
 /// Shorter rings than so many margins are noise: a single sample's is of more than six.
-constexpr double kLeastRing = 3.0;
+constexpr double least_ring = 3.0;
 /// Edges may get so much longer than evenly spread vertices would have them, so that thin parts may have more
 /// of these.
-constexpr double kLongest = 2.0;
+constexpr double longest_edge = 2.0;
 /// Samples: shorter edges are steps of the samples.
-constexpr double kShortest = 1.5;
+constexpr double shortest_edge = 1.5;
 /// Rounds in which gaps are filled; there are few left after the first.
-constexpr int kGapRounds = 3;
+constexpr int gap_rounds = 3;
 /// Rounds of smoothing: with none the smallest angle is 13 degrees, with 4 it is 20.
-constexpr int kSmoothings = 4;
-constexpr int kWidenings = 3;
-constexpr int kTriangulations = 1 + kGapRounds + kSmoothings + kWidenings;  // at most
+constexpr int smoothings = 4;
+constexpr int widenings = 3;
+constexpr int triangulations = 1 + gap_rounds + smoothings + widenings;  // at most
 /// Of the wish.
-constexpr double kNear = 0.25, kNearAtOnce = 0.1;
-constexpr int kAttempts = 3;
+constexpr double near_wish = 0.25, near_wish_at_once = 0.1;
+constexpr int attempts = 3;
 
 class Progress {
  public:
@@ -48,7 +48,7 @@ class Progress {
 std::vector<Points> rings_of(const OutlineField& field) {
   std::vector<Points> rings;
   for (const Points& contour : zero_contours(field.distance)) {
-    if (perimeter(contour) > kLeastRing * field.margin) rings.push_back(even_ring(contour, kRingStep));
+    if (perimeter(contour) > least_ring * field.margin) rings.push_back(even_ring(contour, ring_step));
   }
   return rings;
 }
@@ -100,18 +100,18 @@ Filled filled(const OutlineField& field, const std::vector<Points>& rings, const
     mesh.triangles = constrained_delaunay(mesh.points, result.rings);
   };
   triangulate();
-  for (int i = 0; i < kGapRounds; ++i) {
+  for (int i = 0; i < gap_rounds; ++i) {
     const Points more = gap_points(mesh.points, mesh.triangles, field.distance, sizes.size, longest);
     if (more.rows() == 0) break;
     mesh.points.conservativeResize(mesh.points.rows() + more.rows(), 2);
     mesh.points.bottomRows(more.rows()) = more;
     triangulate();
   }
-  for (int i = 0; i < kSmoothings; ++i) {
+  for (int i = 0; i < smoothings; ++i) {
     smooth_towards_centroids(mesh, field.distance, sizes.size);
     triangulate();
   }
-  for (int i = 0; i < kWidenings; ++i) {
+  for (int i = 0; i < widenings; ++i) {
     widen_angles(mesh);
     triangulate();
   }
@@ -159,12 +159,12 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   progress.at(0.0);
   const ArtMask art = art_mask(alpha, options);
   progress.at(0.1);
-  const OutlineField field = outline_field(art, options, kLongest);
+  const OutlineField field = outline_field(art, options, longest_edge);
   progress.at(0.3);
   const std::vector<Points> rings = rings_of(field);
   const Band band(field);
-  const double shortest = std::max(kShortest, field.edge / options.finest);
-  const double longest = std::max(shortest, options.edge ? field.edge : kLongest * field.edge);
+  const double shortest = std::max(shortest_edge, field.edge / options.finest);
+  const double longest = std::max(shortest, options.edge ? field.edge : longest_edge * field.edge);
   SizeField sizes(field, rings, band, shortest, longest);
   progress.at(0.5);
 
@@ -173,14 +173,14 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   const double wished = options.vertices;
   Filled best;
   double edge = longest, wish = wished, off = 0.0, share = 0.5;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < attempts; ++attempt) {
     double expected = 0.0;
     SizeField limited = sizes;
     if (!options.edge) edge = sizes.edge_for(wish, &expected);
     limited.limit(edge);
     require_vertices(sizes.vertices_for(edge));
     // Most drawings need one attempt: the next one has half of what is left.
-    const auto told = [&, step = 0.5 * (1.0 - share) / kTriangulations] { progress.at(share += step); };
+    const auto told = [&, step = 0.5 * (1.0 - share) / triangulations] { progress.at(share += step); };
     Filled now = filled(field, rings, band, limited, shortest, edge, told);
     const auto n = static_cast<double>(now.mesh.points.rows());
     if (attempt == 0 || std::abs(std::log(n / wished)) < std::abs(off)) {
@@ -189,7 +189,7 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
       result.edge = edge * field.sample;
     }
     const bool bound = (n > wished && edge >= 0.999 * longest) || (n < wished && edge <= 1.001 * shortest);
-    if (options.edge || bound || std::abs(n / wished - 1.0) <= kNearAtOnce) break;
+    if (options.edge || bound || std::abs(n / wished - 1.0) <= near_wish_at_once) break;
     wish *= wished / n;
   }
   keep_used(best.mesh);
@@ -207,7 +207,7 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   }
   result.shortest = shortest * field.sample;
   const double ratio = static_cast<double>(n) / wished;
-  result.reached = options.edge || (ratio <= 1.0 + kNear && ratio >= 1.0 - kNear);
+  result.reached = options.edge || (ratio <= 1.0 + near_wish && ratio >= 1.0 - near_wish);
   if (!result.reached) {
     result.said.push_back(ratio > 1.0 ? "This drawing needs at least " + std::to_string(n) +
                                             " vertices; with a larger margin fewer."

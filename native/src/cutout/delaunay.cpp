@@ -29,11 +29,11 @@ using Triangulation =
     CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_tag>;
 using Face = Triangulation::Face_handle;
 
-constexpr int kUnseen = -1;
+constexpr int unseen = -1;
 
 /// How many rings are crossed from far outside to each face; in its info.
 void count_rings(Triangulation& triangulation) {
-  for (Face face : triangulation.all_face_handles()) face->info() = kUnseen;
+  for (Face face : triangulation.all_face_handles()) face->info() = unseen;
   std::vector<Face> open{triangulation.infinite_face()};
   open.front()->info() = 0;
   while (!open.empty()) {
@@ -41,7 +41,7 @@ void count_rings(Triangulation& triangulation) {
     open.pop_back();
     for (int side = 0; side < 3; ++side) {
       const Face other = face->neighbor(side);
-      if (other->info() != kUnseen) continue;
+      if (other->info() != unseen) continue;
       other->info() = face->info() ^ static_cast<int>(face->is_constrained(side));
       open.push_back(other);
     }

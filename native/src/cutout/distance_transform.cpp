@@ -8,7 +8,7 @@ namespace planar {
 namespace {
 
 /// More than any distance of the reach, and half of what would overflow when one is added.
-constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max() / 2;
+constexpr std::int32_t far_away = std::numeric_limits<std::int32_t>::max() / 2;
 
 /// Rows from each sample to the nearest site of its column, positive upwards.
 Grid<std::int32_t> rows_to_site(const Mask& sites) {
@@ -19,17 +19,17 @@ Grid<std::int32_t> rows_to_site(const Mask& sites) {
     const std::int32_t* above = y + 1 < h ? up.row(y + 1) : nullptr;
     std::int32_t* out = up.row(y);
     for (int x = 0; x < w; ++x) {
-      const std::int32_t next = above != nullptr ? std::min(above[x] + 1, kFar) : kFar;
+      const std::int32_t next = above != nullptr ? std::min(above[x] + 1, far_away) : far_away;
       out[x] = here[x] != 0 ? 0 : next;
     }
   }
-  std::vector<std::int32_t> down(at(w), kFar);
+  std::vector<std::int32_t> down(at(w), far_away);
   for (int y = 0; y < h; ++y) {
     const std::uint8_t* here = sites.row(y);
     const std::int32_t* above = up.row(y);
     std::int32_t* out = result.row(y);
     for (int x = 0; x < w; ++x) {
-      const std::int32_t below = here[x] != 0 ? 0 : std::min(down[at(x)] + 1, kFar);
+      const std::int32_t below = here[x] != 0 ? 0 : std::min(down[at(x)] + 1, far_away);
       down[at(x)] = below;
       out[x] = below < above[x] ? -below : above[x];
     }

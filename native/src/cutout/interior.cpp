@@ -7,9 +7,9 @@ namespace planar {
 namespace {
 
 /// From one lattice to the next.
-constexpr double kFiner = 1.25;
+constexpr double finer_lattice = 1.25;
 /// Of a lattice's edge: the least distance from the outline, and from other points.
-constexpr double kFromOutline = 0.45, kApart = 0.72;
+constexpr double from_outline = 0.45, spacing = 0.72;
 
 /// Points by squares of the plane.
 class Buckets {
@@ -49,12 +49,12 @@ Points rows_of(const std::vector<Eigen::RowVector2d>& points) {
 
 Points interior_points(const Points& boundary, const Grid<float>& distance, const Grid<float>& size,
                        double shortest, double longest) {
-  Buckets near(distance.width(), distance.height(), kApart * longest);
+  Buckets near(distance.width(), distance.height(), spacing * longest);
   for (Eigen::Index i = 0; i < boundary.rows(); ++i) near.add(boundary.row(i));
 
   std::vector<Eigen::RowVector2d> kept;
   for (double edge = longest, above = 2.0 * longest;;
-       above = edge, edge = std::max(shortest, edge / kFiner)) {
+       above = edge, edge = std::max(shortest, edge / finer_lattice)) {
     const bool last = edge <= shortest;
     const double low = last ? 0.0 : 0.995 * edge, high = 0.995 * above;
     const double row_height = std::sqrt(0.75) * edge;
@@ -63,9 +63,9 @@ Points interior_points(const Points& boundary, const Grid<float>& distance, cons
     for (int j = 0; j < n_rows; ++j) {
       for (int i = 0; i < n_columns; ++i) {
         const Eigen::RowVector2d p((i + 0.5 * (j % 2)) * edge, j * row_height);
-        if (sample(distance, p[0], p[1]) <= kFromOutline * edge) continue;
+        if (sample(distance, p[0], p[1]) <= from_outline * edge) continue;
         const double s = sample(size, p[0], p[1]);
-        if (s < low || s >= high || near.any_within(p, kApart * edge)) continue;
+        if (s < low || s >= high || near.any_within(p, spacing * edge)) continue;
         near.add(p);
         kept.push_back(p);
       }
@@ -77,7 +77,7 @@ Points interior_points(const Points& boundary, const Grid<float>& distance, cons
 
 Points gap_points(const Points& points, const Triangles& triangles, const Grid<float>& distance,
                   const Grid<float>& size, double longest) {
-  Buckets near(distance.width(), distance.height(), kApart * longest);
+  Buckets near(distance.width(), distance.height(), spacing * longest);
   std::vector<Eigen::RowVector2d> kept;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const Eigen::RowVector2d a = points.row(triangles(t, 0));
@@ -88,8 +88,8 @@ Points gap_points(const Points& points, const Triangles& triangles, const Grid<f
     const Eigen::RowVector2d to_centre = Eigen::RowVector2d(-w[1], w[0]) / (2.0 * doubled_area);
     const Eigen::RowVector2d p = a + to_centre;
     const double s = sample(size, p[0], p[1]);
-    if (to_centre.norm() <= kApart * s || sample(distance, p[0], p[1]) <= kFromOutline * s) continue;
-    if (near.any_within(p, kApart * s)) continue;
+    if (to_centre.norm() <= spacing * s || sample(distance, p[0], p[1]) <= from_outline * s) continue;
+    if (near.any_within(p, spacing * s)) continue;
     near.add(p);
     kept.push_back(p);
   }

@@ -13,7 +13,7 @@ namespace planar {
 namespace {
 
 /// Less is a picture that ends at its border, as a photograph does.
-constexpr double kPlainShare = 0.8;
+constexpr double plain_share = 0.8;
 
 /// Rows of `colours` along the border, each once.
 std::vector<Eigen::Index> border_of(Eigen::Index height, Eigen::Index width) {
@@ -54,7 +54,7 @@ Keyed key_colour(const Colours& colours, Eigen::Index height, Eigen::Index width
   const auto limit = static_cast<float>(tolerance);
   const auto near = [&](Eigen::Index i) { return (colours.row(i) - key).cwiseAbs().maxCoeff() <= limit; };
   const auto plain = std::count_if(border.begin(), border.end(), near);
-  if (static_cast<double>(plain) < kPlainShare * static_cast<double>(border.size())) {
+  if (static_cast<double>(plain) < plain_share * static_cast<double>(border.size())) {
     result.said = "The border of the image is not plain: " +
                   std::to_string(100 * plain / static_cast<std::ptrdiff_t>(border.size())) +
                   " % of it are of one colour, 80 % are needed.";

@@ -11,12 +11,12 @@ namespace planar {
 namespace {
 
 /// Samples; what smoothing and chords take of it keeps every sample of the art inside.
-constexpr double kLeastMargin = 2.0;
-constexpr double kMarginOfEdge = 0.1;
+constexpr double least_margin = 2.0;
+constexpr double margin_of_edge = 0.1;
 /// Of the art, and of the square of an edge: islands below both are specks.
-constexpr double kSpeckShare = 3e-4, kSpeckOfEdge = 0.25;
+constexpr double speck_share = 3e-4, speck_of_edge = 0.25;
 /// Distances are smoothed so far from the outline.
-constexpr double kSmoothed = 4.0;
+constexpr double smoothed_within = 4.0;
 
 Mask bordered(const Mask& mask, int border) {
   Mask result(mask.width() + 2 * border, mask.height() + 2 * border, 0);
@@ -51,8 +51,9 @@ void drop_specks(const CutoutOptions& options, const Mask& grown, Mask& art, Out
   const std::vector<Eigen::Index> area = areas_of(islands, &art);
   double all = 0.0;
   for (const Eigen::Index a : area) all += static_cast<double>(a);
-  const double least = options.smallest ? *options.smallest * all
-                                        : std::min(kSpeckShare * all, kSpeckOfEdge * field.edge * field.edge);
+  const double least = options.smallest
+                           ? *options.smallest * all
+                           : std::min(speck_share * all, speck_of_edge * field.edge * field.edge);
   const auto largest = std::max_element(area.begin(), area.end()) - area.begin();
   for (std::size_t i = 0; i < area.size(); ++i) {
     if (static_cast<double>(area[i]) >= least || i == static_cast<std::size_t>(largest)) continue;
@@ -97,7 +98,7 @@ void smooth(Grid<float>& distance) {
   const Grid<float> before = distance;
   for (int y = radius; y + radius < distance.height(); ++y) {
     for (int x = radius; x + radius < distance.width(); ++x) {
-      if (std::abs(before(x, y)) >= static_cast<float>(kSmoothed)) continue;
+      if (std::abs(before(x, y)) >= static_cast<float>(smoothed_within)) continue;
       float mean = 0.0f;
       for (int j = -radius; j <= radius; ++j) {
         const float* row = before.row(y + j) + x;
@@ -117,7 +118,7 @@ OutlineField outline_field(const ArtMask& art, const CutoutOptions& options, dou
   field.sample = art.sample;
   field.edge = art.edge / art.sample;
   field.margin =
-      std::max(kLeastMargin, options.margin ? *options.margin / art.sample : kMarginOfEdge * field.edge);
+      std::max(least_margin, options.margin ? *options.margin / art.sample : margin_of_edge * field.edge);
   field.rounding = options.rounding ? *options.rounding / art.sample : field.margin;
   // Half a sample more, as a sample outside is anywhere in the next one's width: the outline is then at the
   // margin to half a sample, wherever it lies between samples.
@@ -125,11 +126,11 @@ OutlineField outline_field(const ArtMask& art, const CutoutOptions& options, dou
   field.border = static_cast<int>(std::ceil(growth)) + 4;
 
   Mask inside = bordered(art.mask, field.border);
-  Grid<float> from_art = distance_to(inside, growth + 2.0 * kSmoothed);
+  Grid<float> from_art = distance_to(inside, growth + 2.0 * smoothed_within);
   Mask grown = where_below(from_art, growth);
   drop_specks(options, grown, inside, field);
   if (field.dropped_islands > 0) {
-    from_art = distance_to(inside, growth + 2.0 * kSmoothed);
+    from_art = distance_to(inside, growth + 2.0 * smoothed_within);
     grown = where_below(from_art, growth);
   }
   fill_holes(options, grown, field);
@@ -137,7 +138,7 @@ OutlineField outline_field(const ArtMask& art, const CutoutOptions& options, dou
   Mask outside = grown;
   for (std::uint8_t& value : outside.values()) value = static_cast<std::uint8_t>(value == 0);
   NearestSites from_outside =
-      nearest_sites(outside, field.rounding + std::max(2.0 * kSmoothed, 1.0 + reach * field.edge));
+      nearest_sites(outside, field.rounding + std::max(2.0 * smoothed_within, 1.0 + reach * field.edge));
 
   // Distances are between centres of samples: half a sample lies between the outermost one of a mask and its
   // border.

@@ -7,22 +7,22 @@ namespace planar {
 namespace {
 
 /// What smoothing, sampling and the straight lines between samples may take of the margin.
-constexpr double kUnsure = 1.1, kLeastBand = 0.25;
+constexpr double unsure = 1.1, least_band = 0.25;
 /// Of the distance from the medial axis to the outline: a vertex lies between, in two rows of triangles.
-constexpr double kSizeOfThickness = 1.1;
+constexpr double size_of_thickness = 1.1;
 /// How far apart feet are for that, in distances: 2 in a strip, 1.4 in a right angle, which is no thin part,
 /// and in samples.
-constexpr double kAcross = 1.7, kLeastAcross = 2.5;
+constexpr double steps_across = 1.7, least_across = 2.5;
 /// Thinner than this share of the margin is no art, but where islands just merge. Such necks get edges as
 /// short as they need: with fewer their triangles are slivers.
-constexpr double kNeck = 0.75, kShortestNeck = 2.0 * kRingStep;
+constexpr double neck = 0.75, shortest_neck = 2.0 * ring_step;
 /// Growth of the size per distance: 0.2 has a third more vertices, 0.6 angles of 10 degrees.
-constexpr float kGrading = 0.35f;
+constexpr float grading = 0.35f;
 /// Lengths of chords that are tried, from the shortest size to the longest.
-constexpr int kChords = 12;
-constexpr int kBins = 256;
+constexpr int chord_bins = 12;
+constexpr int size_bins = 256;
 /// Vertices beside those of evenly graded triangles, measured on drawings.
-constexpr double kUneven = 1.06;
+constexpr double uneven = 1.06;
 
 /// Sizes on the medial axis: where feet of neighbours are far apart.
 void limit_by_thickness(const OutlineField& field, double shortest, double longest, Grid<float>& size) {
@@ -35,11 +35,12 @@ void limit_by_thickness(const OutlineField& field, double shortest, double longe
     const float near = d.values()[a], other = d.values()[b];
     if (near <= 0.0f || other <= 0.0f) return;
     const double gap = std::hypot(p % w - q % w, p / w - q / w);
-    if (gap <= kLeastAcross || gap <= kAcross * (static_cast<double>(std::max(near, other)) + beyond)) return;
+    if (gap <= least_across || gap <= steps_across * (static_cast<double>(std::max(near, other)) + beyond))
+      return;
     for (const std::size_t i : {a, b}) {
       const auto thickness = static_cast<double>(d.values()[i]);
-      const double least = thickness < kNeck * field.margin ? std::min(kShortestNeck, shortest) : shortest;
-      const double wish = std::clamp(kSizeOfThickness * thickness, least, longest);
+      const double least = thickness < neck * field.margin ? std::min(shortest_neck, shortest) : shortest;
+      const double wish = std::clamp(size_of_thickness * thickness, least, longest);
       size.values()[i] = std::min(size.values()[i], static_cast<float>(wish));
     }
   };
@@ -59,10 +60,10 @@ void limit_by_chords(const Points& ring, const Band& band, double shortest, doub
   const auto n = static_cast<int>(ring.rows());
   std::vector<double> limit(at(n), shortest);
   std::vector<char> fits(at(n), 1);
-  const double ratio = std::pow(longest / shortest, 1.0 / (kChords - 1));
+  const double ratio = std::pow(longest / shortest, 1.0 / (chord_bins - 1));
   double chord = shortest;
-  for (int k = 0; k < kChords; ++k, chord *= ratio) {
-    const int half = std::max(1, static_cast<int>(std::lround(0.5 * chord / kRingStep)));
+  for (int k = 0; k < chord_bins; ++k, chord *= ratio) {
+    const int half = std::max(1, static_cast<int>(std::lround(0.5 * chord / ring_step)));
     if (2 * half >= n / 2) break;
     for (int i = 0; i < n; ++i) {
       if (fits[at(i)] == 0) continue;
@@ -72,7 +73,7 @@ void limit_by_chords(const Points& ring, const Band& band, double shortest, doub
       if (off.norm() > (outside ? band.outward : band.inward)) {
         fits[at(i)] = 0;
       } else {
-        limit[at(i)] = k + 1 == kChords ? longest : chord;
+        limit[at(i)] = k + 1 == chord_bins ? longest : chord;
       }
     }
   }
@@ -87,7 +88,7 @@ void limit_by_chords(const Points& ring, const Band& band, double shortest, doub
 /// sweeps.
 void grade(Grid<float>& size) {
   const int w = size.width(), h = size.height();
-  constexpr float side = kGrading, diagonal = kGrading * 1.41421356f;
+  constexpr float side = grading, diagonal = grading * 1.41421356f;
   for (int y = 0; y < h; ++y) {
     float* row = size.row(y);
     if (y > 0) {
@@ -117,8 +118,8 @@ void grade(Grid<float>& size) {
 }  // namespace
 
 Band::Band(const OutlineField& field)
-    : inward(std::max(kLeastBand, field.margin - kUnsure)),
-      outward(std::max(kLeastBand, std::min(inward, field.rounding))) {}
+    : inward(std::max(least_band, field.margin - unsure)),
+      outward(std::max(least_band, std::min(inward, field.rounding))) {}
 
 bool Band::holds(const Grid<float>& distance, const Eigen::RowVector2d& a,
                  const Eigen::RowVector2d& b) const {
@@ -140,11 +141,11 @@ SizeField::SizeField(const OutlineField& field, const std::vector<Points>& rings
   for (const Points& ring : rings) limit_by_chords(ring, band, shortest, longest, size);
   grade(size);
 
-  const double ratio = std::log(longest / shortest) / kBins;
-  for (int i = 0; i < kBins; ++i) bins_.push_back({shortest * std::exp((i + 0.5) * ratio), 0.0, 0.0});
+  const double ratio = std::log(longest / shortest) / size_bins;
+  for (int i = 0; i < size_bins; ++i) bins_.push_back({shortest * std::exp((i + 0.5) * ratio), 0.0, 0.0});
   const auto bin = [&](double value) -> Bin& {
     const double place = ratio > 0.0 ? std::log(value / shortest) / ratio : 0.0;
-    return bins_[at(std::clamp(static_cast<int>(place), 0, kBins - 1))];
+    return bins_[at(std::clamp(static_cast<int>(place), 0, size_bins - 1))];
   };
   for (int y = 0; y < size.height(); ++y) {
     for (int x = 0; x < size.width(); ++x) {
@@ -153,17 +154,17 @@ SizeField::SizeField(const OutlineField& field, const std::vector<Points>& rings
   }
   for (const Points& ring : rings) {
     for (Eigen::Index i = 0; i < ring.rows(); ++i)
-      bin(sample(size, ring(i, 0), ring(i, 1))).length += kRingStep;
+      bin(sample(size, ring(i, 0), ring(i, 1))).length += ring_step;
   }
 }
 
 double SizeField::vertices_for(double edge) const {
-  // Equilateral triangles, two a vertex, and half a vertex more for each on the boundary; kUneven where sizes
+  // Equilateral triangles, two a vertex, and half a vertex more for each on the boundary; uneven where sizes
   // meet.
   double vertices = 0.0;
   for (const Bin& bin : bins_) {
     const double s = std::min(bin.size, edge);
-    vertices += kUneven * 2.0 / std::sqrt(3.0) * bin.area / (s * s) + 0.5 * bin.length / s;
+    vertices += uneven * 2.0 / std::sqrt(3.0) * bin.area / (s * s) + 0.5 * bin.length / s;
   }
   return vertices;
 }

@@ -18,13 +18,13 @@ struct Band {
 };
 
 /// Points of the rings that contours are made even to, in samples.
-constexpr double kRingStep = 0.75;
+constexpr double ring_step = 0.75;
 
 /// Lengths of edges, in samples: of each sample what thickness and outline ask for, before what is wished.
 struct SizeField {
   Grid<float> size;
 
-  /// \param rings even, kRingStep
+  /// \param rings even, ring_step
   /// \param shortest, longest sizes are between these
   SizeField(const OutlineField& field, const std::vector<Points>& rings, const Band& band, double shortest,
             double longest);

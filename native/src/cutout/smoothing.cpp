@@ -10,13 +10,13 @@ namespace planar {
 namespace {
 
 /// Points stay so far inside of the outline, in sizes.
-constexpr double kInside = 0.3;
+constexpr double kept_inside = 0.3;
 /// Radians below this count so much more than others.
-constexpr double kSmall = 30.0 * 3.14159265358979 / 180.0, kDislike = 20.0;
+constexpr double small_angle = 30.0 * 3.14159265358979 / 180.0, dislike = 20.0;
 /// Of steps in the search for a better place, from a quarter of the longest edge: to a sixtieth.
-constexpr int kHalvings = 5;
+constexpr int step_halvings = 5;
 /// Radians: wider than this all about a point there is nothing to gain.
-constexpr double kWide = 52.0 * 3.14159265358979 / 180.0;
+constexpr double wide_angle = 52.0 * 3.14159265358979 / 180.0;
 
 /// Rows of triangles round each point, one list after the other.
 struct Stars {
@@ -33,7 +33,7 @@ struct Stars {
   }
 };
 
-/// The smallest angle of a triangle, less for each degree below kSmall; far below all others where the
+/// The smallest angle of a triangle, less for each degree below small_angle; far below all others where the
 /// triangle is not counter-clockwise.
 double worth(const Points& x, const int* corner) {
   if (doubled_area(x, corner) <= 0.0) return -1e3;
@@ -44,7 +44,7 @@ double worth(const Points& x, const int* corner) {
     largest = std::max(largest, a.dot(b) / std::sqrt(a.squaredNorm() * b.squaredNorm()));
   }
   const double angle = std::acos(std::min(largest, 1.0));
-  return angle - kDislike * std::max(0.0, kSmall - angle);
+  return angle - dislike * std::max(0.0, small_angle - angle);
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ void smooth_towards_centroids(PlanarMesh& mesh, const Grid<float>& distance, con
   for (Eigen::Index i = mesh.fixed; i < before.rows(); ++i) {
     if (weights[i] <= 0.0) continue;
     const Eigen::RowVector2d p = sum.row(i) / weights[i];
-    if (sample(distance, p[0], p[1]) > kInside * sample(size, p[0], p[1])) mesh.points.row(i) = p;
+    if (sample(distance, p[0], p[1]) > kept_inside * sample(size, p[0], p[1])) mesh.points.row(i) = p;
   }
 }
 
@@ -82,7 +82,7 @@ void widen_angles(PlanarMesh& mesh) {
       return sum;
     };
     double best = total();
-    if (best > kWide * (end - first)) continue;
+    if (best > wide_angle * (end - first)) continue;
     double length = 0.0;
     for (int k = first; k < end; ++k) {
       const int* corner = mesh.triangles.data() + 3 * stars.triangle[at(k)];
@@ -91,7 +91,7 @@ void widen_angles(PlanarMesh& mesh) {
     }
     constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     double step = 0.25 * length;
-    for (int halving = 0; halving < kHalvings; ++halving, step *= 0.5) {
+    for (int halving = 0; halving < step_halvings; ++halving, step *= 0.5) {
       bool better = true;
       for (int round = 0; better && round < 8; ++round) {
         better = false;
