@@ -186,7 +186,8 @@ void ArapMethod::settle(const Points& targets, Points& x, Report& report) {
     return energy;
   };
   const auto settled = [&](const Eigen::VectorXd& from, const Eigen::VectorXd& mapped) {
-    return (mapped - from).cwiseAbs().maxCoeff() <= tolerance * size_;
+    const Eigen::VectorXd way = mapped - from;
+    return std::sqrt(way.reshaped(2, way.size() / 2).colwise().squaredNorm().maxCoeff()) <= tolerance * size_;
   };
   Eigen::VectorXd coordinates;
   take(coordinates);
