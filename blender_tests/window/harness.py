@@ -170,10 +170,14 @@ class Window:
         last = self._button  # the next one is often near
         places = sorted(((x, y) for y in rows for x in columns), key=lambda place: abs(place[1] - last))
         manager = bpy.context.window_manager
-        for place in places:
-            yield from self.move(place)
-            manager.clipboard = ""
-            yield from self.key("C", ctrl=True)  # copies the command of the button under the mouse
+        for slowly, place in itertools.product((False, True), places):
+            self.mouse, manager.clipboard = place, ""
+            self._simulate("MOUSEMOVE", "NOTHING")
+            if slowly:  # some buttons know the mouse after a redraw only
+                yield
+            self._simulate("C", "PRESS", ctrl=True)  # copies the command of the button under the mouse
+            self._simulate("C", "RELEASE", ctrl=True)
+            yield
             if manager.clipboard.startswith(f"bpy.ops.{operator}("):
                 yield from self.release("LEFT_CTRL")  # else Blender's own mouse events still have it
                 self._button = place[1]
