@@ -101,13 +101,17 @@ std::vector<Points> zero_contours(const Grid<float>& values) {
           j += step_y[at(to)];
           from = (to + 2) % 4;
         }
-        Points ring(static_cast<Eigen::Index>(line.size()), 2);
-        for (std::size_t k = 0; k < line.size(); ++k) ring.row(static_cast<Eigen::Index>(k)) = line[k];
-        rings.push_back(std::move(ring));
+        rings.push_back(rows_of(line));
       }
     }
   }
   return rings;
+}
+
+Points rows_of(const std::vector<Eigen::RowVector2d>& points) {
+  Points rows(static_cast<Eigen::Index>(points.size()), 2);
+  for (std::size_t i = 0; i < points.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = points[i];
+  return rows;
 }
 
 double perimeter(const Points& ring) {

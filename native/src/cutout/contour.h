@@ -15,6 +15,9 @@ std::vector<Points> zero_contours(const Grid<float>& values);
 /// Points at even steps of about `step` along a closed polyline, 12 at least.
 Points even_ring(const Points& ring, double step);
 
+/// A list of points as n×2.
+Points rows_of(const std::vector<Eigen::RowVector2d>& points);
+
 double perimeter(const Points& ring);
 
 /// Above 0: counter-clockwise.

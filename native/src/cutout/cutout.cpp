@@ -174,9 +174,8 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   Filled best;
   double edge = longest, wish = wished, off = 0.0, share = 0.5;
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    double expected = 0.0;
     SizeField limited = sizes;
-    if (!options.edge) edge = sizes.edge_for(wish, &expected);
+    if (!options.edge) edge = sizes.edge_for(wish);
     limited.limit(edge);
     require_vertices(sizes.vertices_for(edge));
     // Most drawings need one attempt: the next one has half of what is left.

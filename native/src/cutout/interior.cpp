@@ -3,6 +3,9 @@
 
 #include <cmath>
 
+#include "cutout/contour.h"
+#include "mesh/triangle_shape.h"
+
 namespace planar {
 namespace {
 
@@ -38,12 +41,6 @@ class Buckets {
   double side_;
   Grid<std::vector<Eigen::RowVector2d>> buckets_;
 };
-
-Points rows_of(const std::vector<Eigen::RowVector2d>& points) {
-  Points rows(static_cast<Eigen::Index>(points.size()), 2);
-  for (std::size_t i = 0; i < points.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = points[i];
-  return rows;
-}
 
 }  // namespace
 
@@ -82,10 +79,10 @@ Points gap_points(const Points& points, const Triangles& triangles, const Grid<f
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const Eigen::RowVector2d a = points.row(triangles(t, 0));
     const Eigen::RowVector2d u = points.row(triangles(t, 1)) - a, v = points.row(triangles(t, 2)) - a;
-    const double doubled_area = u[0] * v[1] - u[1] * v[0];
-    if (doubled_area <= 0.0) continue;
+    const double area = doubled_area(points, triangles.data() + 3 * t);
+    if (area <= 0.0) continue;
     const Eigen::RowVector2d w = v.squaredNorm() * u - u.squaredNorm() * v;
-    const Eigen::RowVector2d to_centre = Eigen::RowVector2d(-w[1], w[0]) / (2.0 * doubled_area);
+    const Eigen::RowVector2d to_centre = Eigen::RowVector2d(-w[1], w[0]) / (2.0 * area);
     const Eigen::RowVector2d p = a + to_centre;
     const double s = sample(size, p[0], p[1]);
     if (to_centre.norm() <= spacing * s || sample(distance, p[0], p[1]) <= from_outline * s) continue;

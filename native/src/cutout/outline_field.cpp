@@ -26,6 +26,11 @@ Mask bordered(const Mask& mask, int border) {
   return result;
 }
 
+Mask inverted(Mask mask) {
+  for (std::uint8_t& value : mask.values()) value = static_cast<std::uint8_t>(value == 0);
+  return mask;
+}
+
 std::vector<Eigen::Index> areas_of(const Regions& regions, const Mask* counted) {
   std::vector<Eigen::Index> area(at(regions.count), 0);
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
@@ -70,9 +75,7 @@ void drop_specks(const CutoutOptions& options, const Mask& grown, Mask& art, Out
 
 /// Fills all holes, or those that no triangle would fit in.
 void fill_holes(const CutoutOptions& options, Mask& grown, OutlineField& field) {
-  Mask outside = grown;
-  for (std::uint8_t& value : outside.values()) value = static_cast<std::uint8_t>(value == 0);
-  const Regions regions = regions_of(outside);  // 0 is the border, which begins at the first sample
+  const Regions regions = regions_of(inverted(grown));  // 0 is the border, which begins at the first sample
   if (regions.count < 2) return;
   const std::vector<Eigen::Index> area = areas_of(regions, nullptr);
   const auto filled = [&](std::int32_t region) {
@@ -135,10 +138,8 @@ OutlineField outline_field(const ArtMask& art, const CutoutOptions& options, dou
   }
   fill_holes(options, grown, field);
 
-  Mask outside = grown;
-  for (std::uint8_t& value : outside.values()) value = static_cast<std::uint8_t>(value == 0);
-  NearestSites from_outside =
-      nearest_sites(outside, field.rounding + std::max(2.0 * smoothed_within, 1.0 + reach * field.edge));
+  NearestSites from_outside = nearest_sites(
+      inverted(grown), field.rounding + std::max(2.0 * smoothed_within, 1.0 + reach * field.edge));
 
   // Distances are between centres of samples: half a sample lies between the outermost one of a mask and its
   // border.

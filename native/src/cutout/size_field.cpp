@@ -169,13 +169,12 @@ double SizeField::vertices_for(double edge) const {
   return vertices;
 }
 
-double SizeField::edge_for(double vertices, double* expected) const {
+double SizeField::edge_for(double vertices) const {
   double low = shortest_, high = longest_;
   for (int i = 0; i < 40; ++i) {
     const double middle = std::sqrt(low * high);
     (vertices_for(middle) > vertices ? low : high) = middle;
   }
-  *expected = vertices_for(high);
   return high;
 }
 

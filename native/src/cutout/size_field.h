@@ -29,9 +29,8 @@ struct SizeField {
   SizeField(const OutlineField& field, const std::vector<Points>& rings, const Band& band, double shortest,
             double longest);
 
-  /// The edge for which a mesh has so many vertices, at most `longest`, at least `shortest`. `expected`
-  /// becomes how many it has.
-  double edge_for(double vertices, double* expected) const;
+  /// The edge for which a mesh has so many vertices, at most `longest`, at least `shortest`.
+  double edge_for(double vertices) const;
 
   /// How many vertices a mesh with this longest edge has.
   double vertices_for(double edge) const;

@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <complex>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "base/complex_rows.h"
 #include "base/diameter.h"
 #include "base/index.h"
-#include "energy/rigid_fit.h"
 
 namespace planar {
 
@@ -38,18 +36,22 @@ Newton newton_at(const Rest& rest, const Mesh& mesh, const Springs& springs, con
   return newton;
 }
 
-/// Σ of the angles of the triangles at each vertex, n; of those that lie the other way round less.
-Eigen::VectorXd angle_sums(const Points& x, const Triangles& triangles) {
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(x.rows());
+/// How often the triangles at each vertex go round it, n, counted where they cross the x direction; those
+/// that lie the other way round count less.
+Eigen::VectorXi windings_of(const Points& x, const Triangles& triangles) {
+  Eigen::VectorXi windings = Eigen::VectorXi::Zero(x.rows());
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     for (int corner = 0; corner < 3; ++corner) {
-      const Complex at = complex_row(x, triangles(t, corner));
-      const Complex next = complex_row(x, triangles(t, (corner + 1) % 3)) - at;
-      const Complex last = complex_row(x, triangles(t, (corner + 2) % 3)) - at;
-      sums[triangles(t, corner)] += std::arg(std::conj(next) * last);
+      const int v = triangles(t, corner);
+      const Eigen::RowVector2d next = x.row(triangles(t, (corner + 1) % 3)) - x.row(v);
+      const Eigen::RowVector2d last = x.row(triangles(t, (corner + 2) % 3)) - x.row(v);
+      const bool below = next.y() <= 0.0;
+      if (below == (last.y() <= 0.0)) continue;
+      const double turn = next.x() * last.y() - next.y() * last.x();
+      if (below ? turn > 0.0 : turn < 0.0) windings[v] += below ? 1 : -1;
     }
   }
-  return sums;
+  return windings;
 }
 
 }  // namespace
@@ -90,7 +92,7 @@ HoldMethod::HoldMethod(const Points& rest, const Triangles& triangles, const Ori
     : mesh_(rest.rows(), triangles),
       orientation_(orientation),
       rest_(rest),
-      angles_at_rest_(angle_sums(rest, triangles)),
+      windings_at_rest_(windings_of(rest, triangles)),
       newton_(newton_at(rest, mesh_, springs_, orientation, stiffness, diameter(rest))) {}
 
 HoldMethod::HoldMethod(Mesh mesh, const RestOf& rest_of, const Orientation& orientation, double size)
@@ -188,9 +190,9 @@ void HoldMethod::descend_from(const Newton::Budget& budget, Points& x, Report& r
 /// as it is: no triangle needs to be turned over there, and none may be on the way out.
 std::vector<char> HoldMethod::knotted(const Points& x) const {
   std::vector<char> result(at(mesh_.n_parts));
-  const Eigen::VectorXd angles = angle_sums(x, mesh_.triangles);
+  const Eigen::VectorXi windings = windings_of(x, mesh_.triangles);
   for (int v = 0; v < mesh_.n_vertices; ++v) {
-    if (mesh_.interior[at(v)] && std::abs(angles[v]) > std::abs(angles_at_rest_[v]) + std::numbers::pi) {
+    if (mesh_.interior[at(v)] && std::abs(windings[v]) > std::abs(windings_at_rest_[v])) {
       result[at(mesh_.part[at(v)])] = 1;
     }
   }
@@ -207,16 +209,22 @@ std::vector<char> HoldMethod::tangled(const Points& x) const {
   return result;
 }
 
+/// Of each pin, from where it is at x to its target.
+std::vector<PointPair> HoldMethod::ways_from(const Points& x) const {
+  std::vector<PointPair> pairs;
+  pairs.reserve(springs_.pins.size());
+  for (const Pin& pin : springs_.pins) {
+    pairs.push_back(
+        {pin.part, pin.strength, complex_point(pinned_point(pin, x)), complex_point(pin.position)});
+  }
+  return pairs;
+}
+
 /// Puts parts to where the rest shape comes nearest to the targets of their pins; false if there are none.
 bool HoldMethod::begin_from_rest(const std::vector<char>& parts, Points& x) {
-  std::vector<PointPair> pairs;
-  for (const Pin& pin : springs_.pins) {
-    if (!parts[at(pin.part)]) continue;
-    pairs.push_back(
-        {pin.part, pin.strength, complex_point(pinned_point(pin, rest_)), complex_point(pin.position)});
-  }
-  if (pairs.empty()) return false;
-  const std::vector<RigidMotion> motions = fit_rigid_motions(mesh_.n_parts, pairs);
+  const auto is_held = [&parts](const Pin& pin) { return parts[at(pin.part)] != 0; };
+  if (std::none_of(springs_.pins.begin(), springs_.pins.end(), is_held)) return false;
+  const std::vector<RigidMotion> motions = fit_rigid_motions(mesh_.n_parts, ways_from(rest_));
   for (int v = 0; v < mesh_.n_vertices; ++v) {
     const int part = mesh_.part[at(v)];
     if (part < 0 || !parts[at(part)] || !newton_.system().is_active(v)) continue;
@@ -231,12 +239,7 @@ bool HoldMethod::begin_from_rest(const std::vector<char>& parts, Points& x) {
 /// than `limit`; true if the limit stopped it.
 bool HoldMethod::follow_rigidly(double limit, Points& x) {
   if (!springs_.lines.empty()) return false;
-  std::vector<PointPair> pairs;
-  pairs.reserve(springs_.pins.size());
-  for (const Pin& pin : springs_.pins) {
-    pairs.push_back(
-        {pin.part, pin.strength, complex_point(pinned_point(pin, x)), complex_point(pin.position)});
-  }
+  const std::vector<PointPair> pairs = ways_from(x);
   const std::vector<RigidMotion> motions = fit_rigid_motions(mesh_.n_parts, pairs);
   // Σ strength |pin - its target|² of each part without and with its motion.
   std::vector<double> before(motions.size()), after(motions.size());

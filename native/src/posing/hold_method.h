@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "energy/newton.h"
+#include "energy/rigid_fit.h"
 #include "mesh/mesh.h"
 #include "mesh/pin.h"
 #include "parallel/worker.h"
@@ -61,13 +62,14 @@ class HoldMethod final : public PosingMethod {
   bool follow_rigidly(double limit, Points& x);
   std::vector<char> knotted(const Points& x) const;
   std::vector<char> tangled(const Points& x) const;
+  std::vector<PointPair> ways_from(const Points& x) const;
   bool begin_from_rest(const std::vector<char>& parts, Points& x);
 
   Mesh mesh_;
   const Orientation& orientation_;
-  Points rest_;  ///< n×2, or 0×2 where triangles do not fit together
-  Eigen::VectorXd angles_at_rest_;
-  bool free_ = false;  ///< parts without handles relax
+  Points rest_;                       ///< n×2, or 0×2 where triangles do not fit together
+  Eigen::VectorXi windings_at_rest_;  ///< n
+  bool free_ = false;                 ///< parts without handles relax
   PinSprings springs_;
   Newton newton_;
   Points trial_;

@@ -69,7 +69,6 @@ TEST_P(Character, ComesRightAfterAPoseThatTurnedTrianglesOver) {
   Poser wild(shape.vertices, shape.triangles, {.method = PoserMethod::arap});
   wild.set_handles(handles);
   wild.move(start + 2.0 * (targets - start));
-  if (wild.report().flipped == 0) GTEST_SKIP() << "nothing is turned over";
   Poser poser(shape.vertices, shape.triangles);
   poser.set_handles(handles);
   poser.reset(wild.positions());
