@@ -2,8 +2,7 @@
 """Lays surfaces flat by Blender's own unwrap, for the table of flattening: with_bpy.sh VERSION this IN OUT.
 
 IN and OUT are folders: of each surface an .npz with `vertices` and `triangles`, and of each method
-that this Blender has an .npy with the place of each vertex, scaled to the surface's area, and the seconds in
-seconds.json.
+that this Blender has an .npy with the place of each vertex in the UV map, and the seconds in seconds.json.
 """
 
 import json
@@ -40,11 +39,6 @@ def unwrapped(vertices: np.ndarray, triangles: np.ndarray, method: str) -> tuple
     return flat, seconds
 
 
-def area(points: np.ndarray, triangles: np.ndarray) -> float:
-    corner = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])[triangles]
-    return np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum()
-
-
 def main() -> None:
     source, target = map(Path, sys.argv[1:])
     known = bpy.ops.uv.unwrap.get_rna_type().properties["method"].enum_items.keys()
@@ -54,8 +48,7 @@ def main() -> None:
         vertices, triangles = surface["vertices"], surface["triangles"]
         for method in (method for method in METHODS if method in known):
             rounds = [unwrapped(vertices, triangles, method) for _ in range(ROUNDS)]
-            flat = rounds[0][0] * np.sqrt(area(vertices, triangles) / area(rounds[0][0], triangles))
-            np.save(target / f"{path.stem}-{method}.npy", flat)
+            np.save(target / f"{path.stem}-{method}.npy", rounds[0][0])
             seconds[f"{path.stem}-{method}"] = float(np.median([took for _, took in rounds]))
     (target / "seconds.json").write_text(json.dumps(seconds))
 

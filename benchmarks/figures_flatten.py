@@ -136,16 +136,19 @@ def distortion(surface: Surface, flat: np.ndarray) -> tuple[float, float, int]:
     )
 
 
+def area_of(points: np.ndarray, triangles: np.ndarray) -> float:
+    """Of triangles in space, or in the plane."""
+    space = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
+    sides = np.diff(space[triangles], axis=1).transpose(1, 0, 2)
+    return 0.5 * float(np.linalg.norm(np.cross(*sides), axis=1).sum())
+
+
 def harmonic(surface: Surface) -> np.ndarray:
     boundary = max(igl.boundary_loop_all(surface.triangles), key=len)
     boundary = np.asarray(boundary, dtype=np.int64)
     circle = igl.map_vertices_to_circle(surface.vertices, boundary)
-    area = np.linalg.norm(
-        np.cross(*np.diff(surface.vertices[surface.triangles], axis=1).transpose(1, 0, 2)), axis=1
-    )
-    return igl.harmonic(
-        surface.vertices, surface.triangles, boundary, circle * np.sqrt(area.sum() / 2 / np.pi), 1
-    )
+    radius = np.sqrt(area_of(surface.vertices, surface.triangles) / np.pi)
+    return igl.harmonic(surface.vertices, surface.triangles, boundary, circle * radius, 1)
 
 
 def libigl_arap(surface: Surface) -> np.ndarray:
@@ -196,7 +199,9 @@ def blender_unwraps(surfaces: list[Surface]) -> list[dict[str, Found]]:
         seconds = json.loads((place / "seconds.json").read_text())
 
         def found(surface: Surface, name: str) -> Found:
-            return *distortion(surface, np.load(place / f"{name}.npy")), 1e3 * seconds[name]
+            flat = np.load(place / f"{name}.npy")
+            scale = area_of(surface.vertices, surface.triangles) / area_of(flat, surface.triangles)
+            return *distortion(surface, np.sqrt(scale) * flat), 1e3 * seconds[name]
 
         return [
             {title: found(surface, f"{number}-{method}") for method, title in UNWRAPS.items()}

@@ -23,7 +23,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 PROJECT = Path(__file__).resolve().parents[1]
 LOGS = PROJECT / "out" / "logs"
@@ -148,21 +148,20 @@ def counts(log: str) -> tuple[int, int]:
     return found.get("passed", 0), found.get("failed", 0) + found.get("error", 0)
 
 
-def call(command: tuple[str, ...], log: IO[str]) -> tuple[int, float]:
-    """The exit code and the seconds of processor time."""
-    # CMake's own variable: the share of a suite that builds.
-    jobs = max(1, (os.cpu_count() or 1) // AT_A_TIME)
-    process = subprocess.Popen(
-        command,
-        cwd=PROJECT,
-        env={**os.environ, "CMAKE_BUILD_PARALLEL_LEVEL": str(jobs)},
-        stdin=subprocess.DEVNULL,
-        stdout=log,
-        stderr=subprocess.STDOUT,
-    )
+def measured(command: tuple[str, ...], **options: Any) -> tuple[int, float]:
+    """The exit code and the seconds of processor time of a command, with options of Popen."""
+    process = subprocess.Popen(command, cwd=PROJECT, stdin=subprocess.DEVNULL, **options)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     return process.returncode, usage.ru_utime + usage.ru_stime
+
+
+def call(command: tuple[str, ...], log: IO[str]) -> tuple[int, float]:
+    """The same of a suite beside others."""
+    # CMake's own variable: the share of a suite that builds.
+    jobs = max(1, (os.cpu_count() or 1) // AT_A_TIME)
+    environment = {**os.environ, "CMAKE_BUILD_PARALLEL_LEVEL": str(jobs)}
+    return measured(command, env=environment, stdout=log, stderr=subprocess.STDOUT)
 
 
 def row(outcome: Outcome) -> str:
@@ -200,10 +199,7 @@ def set_up(name: str) -> Outcome:
     """What all suites of a command need; what it does is seen as it goes."""
     start = time.monotonic()
     suite = Suite("setup", ("tools/setup.sh", "lint" if name in ("landing", "nightly") else "test"))
-    before = os.times()
-    code = subprocess.run(suite.command, cwd=PROJECT, stdin=subprocess.DEVNULL, check=False).returncode
-    after = os.times()
-    cpu = sum(after[2:4]) - sum(before[2:4])
+    code, cpu = measured(suite.command)
     return Outcome(suite, 0, int(code != 0), time.monotonic() - start, cpu)
 
 
