@@ -134,6 +134,8 @@ class Window:
     def key(self, kind: str, **modifiers: bool) -> Iterator[None]:
         yield from self.press(kind, **modifiers)
         yield from self.release(kind, **modifiers)
+        if modifiers.get("ctrl"):
+            yield from self.release("LEFT_CTRL")  # else Blender's own mouse events still have it
 
     def type(self, text: str) -> Iterator[None]:
         names = dict(
@@ -179,7 +181,7 @@ class Window:
             self._simulate("C", "RELEASE", ctrl=True)
             yield
             if manager.clipboard.startswith(f"bpy.ops.{operator}("):
-                yield from self.release("LEFT_CTRL")  # else Blender's own mouse events still have it
+                yield from self.release("LEFT_CTRL")  # as after each key with it
                 self._button = place[1]
                 yield from self.click(place)
                 return

@@ -100,7 +100,6 @@ def test_press_slide_and_release_keys_what_generating_gives_there(window: Window
     generated = at(7)
     bpy.ops.planar.remove_inbetweens()
     yield from go_to(19)
-    yield from window.release("LEFT_CTRL")  # an undo's, which Blender's own mouse events still have
     yield from start(window)
     yield from window.press()
     yield from slide(window, -0.5)
@@ -117,8 +116,10 @@ def test_typed_snapped_precise_and_beyond(window: Window) -> Iterator[None]:
     first, second = at(1), at(25)
     yield from go_to(13)
     yield from start(window)
+    yield from window.press("LEFT_CTRL", ctrl=True)
     yield from slide(window, 0.23, ctrl=True)
     assert abs(last_percent(window) - 70.0) < 1e-4
+    yield from window.release("LEFT_CTRL")
     yield from slide(window, 0.0)
     assert abs(last_percent(window) - 73.0) < 0.5
     yield from window.press("LEFT_SHIFT", shift=True)
