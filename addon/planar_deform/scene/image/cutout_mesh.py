@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh of a cutout, which takes the place of an image plane's."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...model.image.cutting import Drawing
+from ...model.image.placement import affine_fit, carried
+from ...model.plane.frame import Array32, Indices
+from ..flatten import uv_maps
+from .image_plane import ImagePlane
+
+
+def swap(plane: ImagePlane, drawing: Drawing) -> bpy.types.Object:
+    """Give the plane the cutout's mesh; the object. It stays what and where it is, with its materials.
+
+    All its UV maps go on to show what they showed. Raises ObjectGone, with nothing changed.
+    """
+    obj = plane.resolve()
+    old = obj.data
+    obj.data = mesh_of(plane, drawing)
+    name = old.name
+    if not old.users:
+        bpy.data.meshes.remove(old)
+    obj.data.name = name
+    return obj
+
+
+def mesh_of(plane: ImagePlane, drawing: Drawing) -> bpy.types.Mesh:
+    """A new mesh of the cutout, as the plane shows its image. Raises ObjectGone."""
+    source = plane.resolve().data
+    placement = plane.placement
+    triangles = facing(plane, drawing)
+    mesh = bpy.data.meshes.new(source.name)
+    mesh.from_pydata(places(plane, drawing).tolist(), [], triangles.tolist())
+    for material in source.materials:
+        mesh.materials.append(material)
+    if plane.slot:
+        mesh.polygons.foreach_set("material_index", np.full(len(triangles), plane.slot, np.int32))
+    corners = placement.uvs(drawing.points)[triangles.ravel()]
+    shown = uv_maps.read(source.uv_layers[plane.uv_map])
+    for layer in source.uv_layers:
+        copy = mesh.uv_layers.new(name=layer.name)
+        linear = affine_fit(shown, uv_maps.read(layer))
+        assert linear is not None  # else there would be no placement
+        uv_maps.write(mesh, copy, carried(corners, linear).astype(np.float32))
+        copy.active_render = layer.active_render
+    if source.uv_layers.active is not None:
+        mesh.uv_layers.active_index = source.uv_layers.active_index
+    return mesh
+
+
+def places(plane: ImagePlane, drawing: Drawing) -> Array32:
+    """The cutout's points in the plane's coordinates, n x 3."""
+    found: Array32 = plane.placement.places(drawing.points).astype(np.float32)
+    return found
+
+
+def facing(plane: ImagePlane, drawing: Drawing) -> Indices:
+    """The cutout's triangles, m x 3, which face where the plane's faces do."""
+    found = drawing.triangles[:, ::-1] if plane.placement.mirrored else drawing.triangles
+    return np.ascontiguousarray(found, dtype=np.int32)
