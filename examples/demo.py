@@ -179,9 +179,6 @@ def build(character: Character) -> bpy.types.Object:
     start = time.perf_counter()
     obj = cutout.build(character.name, character.layers, character.spacing, pixels_per_unit=200)
     obj.location.x = character.x
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
     puppet.add_pins(obj, character.layers, character.pins)
     angle = cutout.smallest_angle(puppet.shown_points(obj), triangles(obj))
     print(
