@@ -16,6 +16,7 @@ from pictures import (
     cutout,
     letter,
     new_image,
+    pixels_of,
     save,
 )
 from support import add_pins
@@ -232,6 +233,17 @@ def test_an_image_that_has_changed_on_the_disk_is_read_anew(drawing, tmp_path):
     shown = covered(cutout(drawing), (120, 80))
     assert not shown[100, 20]
     assert len(bpy.data.images) == 1
+
+
+def test_what_has_been_painted_on_an_image_counts_and_is_kept(drawing):
+    image = texture(cutout(drawing)).image
+    painted = pixels_of(blobs((40, 60)))
+    image.pixels.foreach_set(painted.ravel())
+    image.update()
+    assert image.is_dirty
+    shown = covered(cutout(drawing), (120, 80))
+    assert image.is_dirty
+    assert (shown[60, 40], shown[100, 20]) == (True, False)
 
 
 def test_one_file_by_its_path(drawing):
