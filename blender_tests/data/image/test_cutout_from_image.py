@@ -235,14 +235,17 @@ def test_an_image_that_has_changed_on_the_disk_is_read_anew(drawing, tmp_path):
     assert len(bpy.data.images) == 1
 
 
-def test_what_has_been_painted_on_an_image_counts_and_is_kept(drawing):
+def test_what_has_been_painted_on_an_image_and_not_saved_is_not_lost(drawing):
     image = texture(cutout(drawing)).image
     painted = pixels_of(blobs((40, 60)))
     image.pixels.foreach_set(painted.ravel())
     image.update()
+    with pytest.raises(RuntimeError, match="'hero.png' has been painted on: save the image first"):
+        cutout(drawing)
     assert image.is_dirty
+    assert np.array_equal(np.array(image.pixels) > 0.5, painted.ravel() > 0.5)
+    image.save()
     shown = covered(cutout(drawing), (120, 80))
-    assert image.is_dirty
     assert (shown[60, 40], shown[100, 20]) == (True, False)
 
 
