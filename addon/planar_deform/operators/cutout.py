@@ -212,19 +212,20 @@ class FromFiles(Cutting):
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
         column.use_property_split = True
-        parts = self.layers == "PARTS"
-        self.draw_settings(column, islands=not parts)
+        several = self.several()
+        self.draw_settings(column, islands=not several or self.layers == "OBJECTS")
         column.separator()
-        column.row().prop(self, "layers", expand=True)
-        for name in (
-            "offset",
-            "image_sequence",
-            "size_mode",
-            "factor" if self.size_mode == "DPBU" else "height",
-        ):
+        if several:
+            column.row().prop(self, "layers", expand=True)
+            column.prop(self, "offset")
+            column.prop(self, "image_sequence")
+        size = "factor" if self.size_mode == "DPBU" else "height"
+        for name in ("size_mode", size, "align_axis", "interpolation", "shader"):
             column.prop(self, name)
-        for name in ("align_axis", "interpolation", "shader"):
-            column.prop(self, name)
+
+    def several(self) -> bool:
+        """Whether there may be several files."""
+        return True
 
 
 class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
@@ -240,6 +241,9 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
             return super().invoke(context, event)
         bpy.ops.planar.choose_images("INVOKE_DEFAULT", **_settings_of(self))
         return {"CANCELLED"}
+
+    def several(self) -> bool:
+        return len(self._paths()) > 1
 
     def job(self, context: bpy.types.Context) -> Job:
         paths = self._paths()
@@ -257,7 +261,7 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
             yield 0.0
             found = yield from cuts(planes, self.settings(), loaded=True)
             with undoing.noting():
-                told.append(self.finish(bpy.context, found, join=self.layers == "PARTS"))
+                told.append(self.finish(bpy.context, found, join=self.several() and self.layers == "PARTS"))
         except BaseException:  # a refusal, an error, or closed before its end
             undoing.take_back(bpy.context)
             raise

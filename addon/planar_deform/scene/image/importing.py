@@ -52,8 +52,8 @@ class Undoing:
         for uid, alpha_mode, filepath in self._images:
             image = next((image for image in bpy.data.images if image.session_uid == uid), None)
             if image is not None:
-                restore(image, "alpha_mode", alpha_mode)
-                restore(image, "filepath", filepath)
+                _restore(image, "alpha_mode", alpha_mode)
+                _restore(image, "filepath", filepath)
         context.view_layer.update()  # before its objects are gone through: 4.2 would crash
         objects = context.view_layer.objects
         for obj in list(objects):
@@ -78,7 +78,7 @@ def import_planes(undoing: Undoing, paths: Sequence[Path], options: Mapping[str,
         except RuntimeError as error:
             raise Refusal(str(error).removeprefix("Error: ").strip()) from error
         for image, mode in modes.items():
-            restore(image, "alpha_mode", mode)  # 4.2 gives all images the same one, which fits PNG alone
+            _restore(image, "alpha_mode", mode)  # 4.2 gives all images the same one, which fits PNG alone
         bpy.context.view_layer.update()
         added = [obj for obj in bpy.data.objects if obj.session_uid not in before]
         planes = [image_plane.read(obj) for obj in added]
@@ -89,7 +89,7 @@ def import_planes(undoing: Undoing, paths: Sequence[Path], options: Mapping[str,
     return sorted(planes, key=lambda plane: order[reading.path_of(plane.texture.image).name])
 
 
-def restore(image: bpy.types.Image, name: str, value: str) -> None:
+def _restore(image: bpy.types.Image, name: str, value: str) -> None:
     """Give a setting its value back; written, it would load the image again."""
     if getattr(image, name) != value:
         setattr(image, name, value)
