@@ -20,9 +20,9 @@ from bpy.props import (
 from ..errors import Refusal
 from ..model.image.cutting import Settings
 from ..scene.image import cutout_mesh, image_plane, preview
-from ..scene.image.cutting import Cut, cuts
+from ..scene.image.cutting import Cut, among, cuts
 from ..scene.image.image_plane import ImagePlane
-from ..scene.image.importing import Undoing, import_planes
+from ..scene.image.importing import Undoing, import_planes, load
 from ..scene.objects.adding import select_alone
 from ..scene.pins import pin_list
 from ..scene.view.shading import show_textures
@@ -257,9 +257,10 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
     def _write(self, paths: list[Path], told: list[str]) -> Generator[float, None, None]:
         undoing = Undoing(bpy.context)
         try:
-            planes = import_planes(undoing, paths, self._plane_options())
-            yield 0.0
-            found = yield from cuts(planes, self.settings(), loaded=True)
+            loading = load(undoing, paths, sequences=self.image_sequence)
+            images = yield from among(loading, 0, 2)
+            planes = import_planes(undoing, images, paths, self._plane_options())
+            found = yield from among(cuts(planes, self.settings(), loaded=True), 1, 2)
             with undoing.noting():
                 told.append(self.finish(bpy.context, found, join=self.several() and self.layers == "PARTS"))
         except BaseException:  # a refusal, an error, or closed before its end
