@@ -72,6 +72,7 @@ class Poser:
         method: Literal["hold", "akvf", "arap"] = "hold",
         pin_weight: float | None = None,
         stiffness: ArrayLike | None = None,
+        cage: int | None = None,
     ) -> None: ...
     def set_handles(
         self, handles: _Handles, *, weights: ArrayLike | None = None, groups: ArrayLike | None = None
@@ -99,6 +100,7 @@ def inbetween(
     anchor_path: Literal["straight", "arc"] = "straight",
     joints: Sequence[ArrayLike | None] | None = None,
     smooth: bool = False,
+    cage: int | None = None,
     tolerance: float = 5e-4,
     max_iterations: int = 100,
     threads: int = 0,
@@ -127,6 +129,7 @@ class Inbetweens:
         anchor_path: Literal["straight", "arc"] = "straight",
         joints: Sequence[ArrayLike | None] | None = None,
         smooth: bool = False,
+        cage: int | None = None,
         tolerance: float = 5e-4,
         max_iterations: int = 100,
         threads: int = 0,

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cage/cage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "base/index.h"
+#include "cage/coarsening.h"
+
+namespace planar {
+namespace {
+
+/// Of the mean diagonal: a spring along each edge, for how far its ends are from where the fit begins. Has
+/// vertices follow their neighbours where hardly a dense one depends on them.
+constexpr double regularisation = 1e-9;
+/// Solves of the fit, each for what the one before leaves: takes out what the regularisation does.
+constexpr int rounds = 2;
+
+std::array<double, 3> weights_of(const Place& place) {
+  return {1.0 - place.first - place.second, place.first, place.second};
+}
+
+/// The rotation of a triangle from one shape of the cage to another, 1 where there is none.
+std::complex<double> turn_of(const int* corner, const Points& from, const Points& to) {
+  const auto side = [corner](const Points& x, int c) {
+    return complex_row(x, corner[c]) - complex_row(x, corner[0]);
+  };
+  const std::complex<double> area =
+      side(from, 1) * std::conj(side(from, 2)) - side(from, 2) * std::conj(side(from, 1));
+  const std::complex<double> a =
+      (side(to, 1) * std::conj(side(from, 2)) - side(to, 2) * std::conj(side(from, 1))) / area;
+  const double length = std::abs(a);
+  return length > 0.0 && std::isfinite(length) ? a / length : 1.0;
+}
+
+}  // namespace
+
+Place place_in(const Points& rest, const Triangles& triangles, int triangle,
+               const Eigen::RowVector2d& point) {
+  const int* corner = triangles.data() + 3 * triangle;
+  const Eigen::RowVector2d a = rest.row(corner[0]);
+  const Eigen::RowVector2d u = rest.row(corner[1]) - a, v = rest.row(corner[2]) - a, p = point - a;
+  const double area = u.x() * v.y() - u.y() * v.x();
+  if (area == 0.0) return {triangle, 0.0, 0.0};
+  return {triangle, (p.x() * v.y() - p.y() * v.x()) / area, (u.x() * p.y() - u.y() * p.x()) / area};
+}
+
+int Cage::row_of(int isolated_vertex) const {
+  const auto found = std::lower_bound(isolated.begin(), isolated.end(), isolated_vertex);
+  return static_cast<int>(rest.rows()) - static_cast<int>(isolated.end() - found);
+}
+
+std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& triangles, int wished) {
+  if (rest.rows() <= wished) return {};
+  Coarse coarse = coarsened(rest, triangles, wished);
+  if (2 * coarse.points.rows() > rest.rows()) return {};
+  return coarse;
+}
+
+Cage make_cage(const Points& rest, Coarse coarse) {
+  Cage cage{std::move(coarse.points), std::move(coarse.triangles), {}, {}, std::move(coarse.origins)};
+  const std::vector<int>& owner = coarse.triangle_of;
+  cage.places.reserve(owner.size());
+  for (std::size_t v = 0; v < owner.size(); ++v) {
+    cage.places.push_back(
+        owner[v] < 0 ? Place{-1, 0.0, 0.0}
+                     : place_in(cage.rest, cage.triangles, owner[v], rest.row(static_cast<Eigen::Index>(v))));
+  }
+  for (int v = 0; v < static_cast<int>(owner.size()); ++v) {
+    if (owner[at(v)] >= 0) continue;
+    cage.isolated.push_back(v);
+    cage.origins.push_back({v, -1, -1});
+  }
+  const auto n_isolated = static_cast<Eigen::Index>(cage.isolated.size());
+  cage.rest.conservativeResize(cage.rest.rows() + n_isolated, 2);
+  cage.rest.bottomRows(n_isolated) = rest(cage.isolated, Eigen::all);
+  return cage;
+}
+
+CageFit::CageFit(const Cage& cage, const Mesh& mesh)
+    : cage_(cage),
+      solver_(SparseSolver::create(default_backend())),
+      unknowns_(*solver_, mesh.edges, std::vector<char>(at(mesh.n_vertices), 1)) {
+  SymmetricMatrix matrix = unknowns_.zero<double>();
+  for (const Place& place : cage.places) {
+    if (place.triangle < 0) continue;
+    const std::array<double, 3> weight = weights_of(place);
+    for (int a = 0; a < 3; ++a) {
+      const int i = unknowns_.slot[at(cage.triangles(place.triangle, a))];
+      for (int b = 0; b < 3; ++b) {
+        const int j = unknowns_.slot[at(cage.triangles(place.triangle, b))];
+        if (i >= j) matrix.value[at(matrix.find(i, j))] += weight[at(a)] * weight[at(b)];
+      }
+    }
+  }
+  double mean = 0.0;
+  for (int i = 0; i < unknowns_.size; ++i) mean += matrix.value[at(matrix.find(i, i))] / unknowns_.size;
+  const double stiffness = regularisation * mean;
+  for (const auto& [a, b] : mesh.edges) {
+    const auto [j, i] = std::minmax(unknowns_.slot[at(a)], unknowns_.slot[at(b)]);
+    matrix.value[at(matrix.find(i, j))] -= stiffness;
+    matrix.value[at(matrix.find(i, i))] += stiffness;
+    matrix.value[at(matrix.find(j, j))] += stiffness;
+  }
+  for (int i = 0; i < unknowns_.size; ++i) {
+    double& diagonal = matrix.value[at(matrix.find(i, i))];
+    if (diagonal == 0.0) diagonal = 1.0;  // isolated
+  }
+  solver_->analyze(matrix);
+  solver_->factorize(matrix);
+}
+
+Points CageFit::fit(const Points& x) const {
+  Points result(unknowns_.size, 2);
+  for (Eigen::Index c = 0; c < result.rows(); ++c) {
+    const auto [source, a, b] = cage_.origins[at(c)];
+    result.row(c) = source >= 0 ? x.row(source).eval() : (0.5 * (result.row(a) + result.row(b))).eval();
+  }
+  RightSides right(unknowns_.size, 2);
+  for (int round = 0; round < rounds; ++round) {
+    right.setZero();
+    for (std::size_t v = 0; v < cage_.places.size(); ++v) {
+      const Place& place = cage_.places[v];
+      if (place.triangle < 0) continue;
+      const Eigen::RowVector2d left =
+          x.row(static_cast<Eigen::Index>(v)) - carried(place, cage_.triangles, result);
+      const std::array<double, 3> weight = weights_of(place);
+      for (int c = 0; c < 3; ++c)
+        right.row(unknowns_.slot[at(cage_.triangles(place.triangle, c))]) += weight[at(c)] * left;
+    }
+    solver_->solve(right);
+    for (int c = 0; c < static_cast<int>(result.rows()); ++c)
+      result.row(c) += right.row(unknowns_.slot[at(c)]);
+  }
+  return result;
+}
+
+Remainder::Remainder(const Cage& cage, const Points& fitted, const Points& x, double negligible) : left_(x) {
+  double most = 0.0;
+  for (Eigen::Index v = 0; v < x.rows(); ++v) {
+    const Place& place = cage.places[at(v)];
+    if (place.triangle < 0) continue;
+    left_.row(v) -= carried(place, cage.triangles, fitted);
+    most = std::max(most, left_.row(v).squaredNorm());
+  }
+  largest_ = std::sqrt(most);
+  if (largest_ > negligible) {
+    fitted_ = fitted;
+  } else {
+    left_.resize(0, 2);
+  }
+}
+
+Remainder::Turns Remainder::turns_to(const Cage& cage, const Points& x) const {
+  Turns result;
+  if (is_empty()) return result;
+  result.reserve(at(cage.triangles.rows()));
+  for (Eigen::Index t = 0; t < cage.triangles.rows(); ++t)
+    result.push_back(turn_of(cage.triangles.data() + 3 * t, fitted_, x));
+  return result;
+}
+
+}  // namespace planar
