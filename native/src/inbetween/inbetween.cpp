@@ -2,16 +2,19 @@
 #include "planar/inbetween.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <string>
 
 #include "base/checks.h"
+#include "base/diameter.h"
 #include "inbetween/edge_turns.h"
 #include "inbetween/flip_repair.h"
 #include "inbetween/inbetween_input.h"
 #include "inbetween/midpoint_transition.h"
 #include "inbetween/paper_inbetween.h"
 #include "inbetween/part_placer.h"
+#include "inbetween/pinned_transition.h"
 #include "parallel/thread_team.h"
 
 namespace planar {
@@ -27,7 +30,8 @@ struct Inbetweens::State {
   struct Transition {
     MidpointTransition edges;
     PartPlacer placer;
-    std::unique_ptr<FlipRepair> repair;  ///< none if there is nothing to repair
+    std::unique_ptr<FlipRepair> repair;      ///< none if there is nothing to repair
+    std::unique_ptr<PinnedTransition> pins;  ///< none if there are no pins
   };
 
   State(const std::vector<Points>& shapes, EdgeGraph edge_graph, const InbetweenOptions& options)
@@ -45,6 +49,7 @@ struct Inbetweens::State {
     const Eigen::MatrixXi extra = turns_of(graph, keys, options);
     const std::vector<Points> references = references_of(keys, options);
     const double tolerance = options.tolerance * size_of(references);
+    if (options.pins.size() > 0) pins = std::make_unique<FramePins>(graph, keys, options);
     assembler.factorize(frozen_weights(graph, references));
     const EdgeTurns unwrapped(graph);
     transitions.reserve(anchors.size());
@@ -62,11 +67,31 @@ struct Inbetweens::State {
       settings.progress(0.0);
       transitions.push_back({{graph, assembler, from, to, turns, part_turns, settings, team},
                              {graph, from, to, anchors[k], joints[k], course},
+                             nullptr,
                              nullptr});
+      if (pins) {
+        transitions.back().pins =
+            std::make_unique<PinnedTransition>(graph, *pins, k, from, to, joints[k],
+                                               whole_turns(turns, extra.row(static_cast<Eigen::Index>(k))));
+      }
       reports.push_back({transitions.back().edges.iterations(), transitions.back().edges.converged()});
     }
     if (options.smooth) join_transitions();
     for (std::size_t k = 0; k < anchors.size(); ++k) repair(k, progress_of(options, 0.5, k));
+    if (!pins) return;
+    const auto largest = std::max_element(
+        keys.begin(), keys.end(), [](const Points& a, const Points& b) { return diameter(a) < diameter(b); });
+    holders = std::make_unique<PerThread<PinHolder>>(
+        team, [this, largest] { return std::make_unique<PinHolder>(*largest, pins->triangles); });
+  }
+
+  /// Of edges, with the extra whole turns of their parts.
+  Eigen::VectorXd whole_turns(Eigen::VectorXd edge_turns, const Eigen::RowVectorXi& extra) const {
+    for (Eigen::Index i = 0; i < edge_turns.size(); ++i) {
+      const int v = graph.edges[static_cast<std::size_t>(i)][0];
+      edge_turns[i] += 2.0 * std::numbers::pi * extra[graph.part[static_cast<std::size_t>(v)]];
+    }
+    return edge_turns;
   }
 
   /// Of the work on one transition, which is done in halves: first all are solved, then all are repaired.
@@ -85,6 +110,7 @@ struct Inbetweens::State {
       const KeyGaps gaps = key_gaps(times[key - 1], times[key], times[key + 1]);
       MidpointTransition::join(transitions[k - 1].edges, transitions[k].edges, gaps);
       PartPlacer::join(transitions[k - 1].placer, transitions[k].placer, gaps);
+      if (pins) PinnedTransition::join(*transitions[k - 1].pins, *transitions[k].pins, gaps);
     }
   }
 
@@ -131,8 +157,34 @@ struct Inbetweens::State {
     return result;
   }
 
+  /// Holds the pins of a frame at u of transition k, on a path (k×2, or none) where that is a number.
+  void hold_pins(Points& frame, Eigen::Index k, double u, const Points* path, std::size_t thread) {
+    const PinnedTransition& transition = *transitions[static_cast<std::size_t>(k)].pins;
+    Points places = transition.places(u);
+    for (Eigen::Index row = 0; path && row < places.rows(); ++row) {
+      if (!path->row(row).hasNaN()) places.row(row) = path->row(row);
+    }
+    frame = transition.held(frame, places, holders->of(thread));
+  }
+
+  void require_paths(const std::vector<Points>& paths, Eigen::Index n_times) const {
+    if (paths.empty()) return;
+    if (!pins) throw std::invalid_argument("pin_paths: there are no pins");
+    require_rows("pin_paths", static_cast<Eigen::Index>(paths.size()), n_times, "time");
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      const std::string name = "pin_paths[" + std::to_string(i) + "]";
+      require_rows(name.c_str(), paths[i].rows(), pins->handles.size(), "handle of pins");
+      for (Eigen::Index row = 0; row < paths[i].rows(); ++row) {
+        if (paths[i].row(row).hasNaN() || paths[i].row(row).allFinite()) continue;
+        throw std::invalid_argument(row_of(name.c_str(), row) + "not a finite number");
+      }
+    }
+  }
+
   std::vector<Points> sample(const Eigen::VectorXd& wanted, Outside outside,
-                             const std::function<bool(double)>& progress = {}) {
+                             const std::function<bool(double)>& progress = {},
+                             const std::vector<Points>& paths = {}) {
+    require_paths(paths, wanted.size());
     std::vector<Points> result(static_cast<std::size_t>(wanted.size()));
     std::vector<std::size_t> rows;  // those that are not keys
     std::vector<Eigen::Index> k;
@@ -157,8 +209,12 @@ struct Inbetweens::State {
       k.push_back(transition);
       u.push_back(share);
     }
-    for (std::size_t first = 0; first < rows.size(); first += frames_at_a_time) {
-      const std::size_t end = std::min(first + frames_at_a_time, rows.size());
+    // Pins take most of the time.
+    const std::size_t at_a_time =
+        pins ? std::max<std::size_t>(FrameAssembler::lanes, static_cast<std::size_t>(team.size()))
+             : frames_at_a_time;
+    for (std::size_t first = 0; first < rows.size(); first += at_a_time) {
+      const std::size_t end = std::min(first + at_a_time, rows.size());
       if (progress && !progress(static_cast<double>(first) / static_cast<double>(rows.size()))) {
         throw Cancelled();
       }
@@ -166,6 +222,12 @@ struct Inbetweens::State {
       std::vector<Points> solved = frames(
           {k.begin() + static_cast<std::ptrdiff_t>(first), k.begin() + static_cast<std::ptrdiff_t>(end)},
           Eigen::Map<const Eigen::VectorXd>(u.data() + first, count), true);
+      if (pins) {
+        team.run(solved.size(), [&](std::size_t i, std::size_t thread) {
+          const std::size_t row = first + i;
+          hold_pins(solved[i], k[row], u[row], paths.empty() ? nullptr : &paths[rows[row]], thread);
+        });
+      }
       for (std::size_t i = first; i < end; ++i) result[rows[i]] = std::move(solved[i - first]);
     }
     return result;
@@ -176,8 +238,10 @@ struct Inbetweens::State {
   EdgeGraph graph;
   FrameAssembler assembler;
   ThreadTeam team;
+  std::unique_ptr<FramePins> pins;  ///< none if there are no pins
   std::vector<Transition> transitions;
   std::vector<TransitionReport> reports;
+  std::unique_ptr<PerThread<PinHolder>> holders;  ///< where there are pins
 };
 
 namespace {
@@ -190,7 +254,8 @@ EdgeGraph graph_of(const std::vector<Points>& keys, const Elements& elements) {
 
 template <typename Elements>
 std::vector<Points> frames(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                           const Elements& elements, const InbetweenOptions& options) {
+                           const Elements& elements, const InbetweenOptions& options,
+                           const std::vector<Points>& pin_paths) {
   if (options.method == InbetweenMethod::midpoint) {
     const auto progress_from = [&options](double begin) -> std::function<bool(double)> {
       if (!options.progress) return {};
@@ -198,8 +263,9 @@ std::vector<Points> frames(const std::vector<Points>& keys, const Eigen::VectorX
     };
     InbetweenOptions solving = options;
     solving.progress = progress_from(0.0);
-    return Inbetweens(keys, elements, solving).at(times, Outside::refuse, progress_from(0.5));
+    return Inbetweens(keys, elements, solving).at(times, Outside::refuse, progress_from(0.5), pin_paths);
   }
+  if (!pin_paths.empty()) throw std::invalid_argument("pin_paths: there are no pins");
   return paper_inbetween(keys, times, graph_of(keys, elements), options);
 }
 
@@ -221,20 +287,23 @@ Points Inbetweens::at(double time, Outside outside) const {
 }
 
 std::vector<Points> Inbetweens::at(const Eigen::VectorXd& times, Outside outside,
-                                   const std::function<bool(double)>& progress) const {
-  return state_->sample(times, outside, progress);
+                                   const std::function<bool(double)>& progress,
+                                   const std::vector<Points>& pin_paths) const {
+  return state_->sample(times, outside, progress, pin_paths);
 }
 
 const std::vector<TransitionReport>& Inbetweens::report() const { return state_->reports; }
 
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                              const Triangles& triangles, const InbetweenOptions& options) {
-  return frames(keys, times, triangles, options);
+                              const Triangles& triangles, const InbetweenOptions& options,
+                              const std::vector<Points>& pin_paths) {
+  return frames(keys, times, triangles, options, pin_paths);
 }
 
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                              const Edges& edges, const InbetweenOptions& options) {
-  return frames(keys, times, edges, options);
+                              const Edges& edges, const InbetweenOptions& options,
+                              const std::vector<Points>& pin_paths) {
+  return frames(keys, times, edges, options, pin_paths);
 }
 
 }  // namespace planar

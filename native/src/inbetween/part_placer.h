@@ -43,14 +43,6 @@ class PartPlacer {
  private:
   using Complex = std::complex<double>;
 
-  /// From one key to the next.
-  struct Line {
-    Complex from, way;
-    SlopeChange<Complex> change{};
-
-    Complex at(double u) const { return from + u * way + change.at(u); }
-  };
-
   struct Part {
     std::vector<int> anchor;           ///< never empty
     std::array<int, 2> joint{-1, -1};  ///< carrying and carried vertex, or -1
