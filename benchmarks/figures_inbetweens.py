@@ -24,6 +24,8 @@ OF_NEIGHBOURS = 1.5  # a jump between two frames
 REVERSED = 1e-6  # of the diagonal
 RIGID = 1e-9
 EXTRA_KEY = 0.02
+STANDING = 2e-4  # of the diagonal: how far a pin that stands in both keys may move
+AS_SMOOTH = 2.0
 TIE = 1e-4  # of area + angle: what is printed
 
 WORST = f"""\
@@ -39,6 +41,11 @@ jump: furthest way of a vertex between two frames, by the larger one beside; at 
 path: a vertex's way, by its way in {FINE} times as many frames; at most {OF_THE_FINE_PATH}.
 reversed: from the same with the keys exchanged, in diagonals; at most {REVERSED:g}.
 one more key: from the same with the middle frame as a key, in diagonals; at most {EXTRA_KEY:g}."""
+PINS = f"""\
+Pins: from rest to each pose, the two of whose handles that move least stand; {FINE * FRAMES[1]} frames.
+off: a foot from where it stands, in diagonals, without pins and with them; at most {STANDING:g} with them.
+worst: area + angle of the worst frame by that of the worse end; at most {OF_THE_ENDS}. flips: none.
+kink: the largest second difference of a vertex by that without pins; at most {AS_SMOOTH:g}."""
 RIGID_KEYS = f"""\
 Rigid motions: furthest vertex from the exact one, in diagonals, over 24 frames; at most {RIGID:g}."""
 ROLLED_BAR = f"""\
@@ -199,6 +206,37 @@ def motion(of: list[Transition], conditions: Conditions) -> None:
             conditions.check(f"{where}: {changed:.4f} off with one more key", changed <= EXTRA_KEY)
 
 
+def standing(shapes: list[Shape], conditions: Conditions) -> None:
+    print(PINS)
+    print(f"{'pose':14}{'off without':>12}{'with':>10}{'worst':>9}{'flips':>7}{'kink':>7}")
+    times = np.linspace(0, 1, FINE * FRAMES[1] + 2)
+    for shape in shapes:
+        for pose in shape.poses:
+            start = shape.rest[pose.handles]
+            feet = np.argsort(np.linalg.norm(pose.targets - start, axis=1))[:2]
+            targets = pose.targets.copy()
+            targets[feet] = start[feet]
+            last = dragged(shape, dataclasses.replace(pose, targets=targets), 1)
+            keys = [shape.rest, last]
+            pins = pose.handles[feet]
+            stand = (1 - times)[:, None, None] * shape.rest[pins] + times[:, None, None] * last[pins]
+            off, kink = {}, {}
+            for name, given in (("without", None), ("with", pins)):
+                frames = between(shape, keys, times, pins=given)
+                off[name] = float(np.linalg.norm(frames[:, pins] - stand, axis=2).max()) / shape.diagonal
+                kink[name] = float(np.linalg.norm(np.diff(frames, 2, axis=0), axis=2).max())
+            own, ends = quality(shape, frames), quality(shape, np.array(keys))
+            worst, rougher = own.worst / ends.worst, kink["with"] / kink["without"]
+            print(
+                f"{pose.name:14}{off['without']:12.1e}{off['with']:10.1e}{worst:9.4f}{own.flipped:7}{rougher:7.2f}",
+                flush=True,
+            )
+            conditions.check(f"{pose.name}: a foot is {off['with']:.1e} off", off["with"] <= STANDING)
+            conditions.check(f"{pose.name}: {worst:.4f} times the worse end", worst <= OF_THE_ENDS)
+            conditions.check(f"{pose.name}: {own.flipped} flips", own.flipped == 0)
+            conditions.check(f"{pose.name}: {rougher:.2f} times as rough", rougher <= AS_SMOOTH)
+
+
 def rigid_keys(shapes: list[Shape], conditions: Conditions) -> None:
     print(RIGID_KEYS)
     print(f"{'shape':12}{'turn':>6}{'straight':>12}{'arc':>12}")
@@ -251,6 +289,8 @@ def inbetween_table(shapes: list[Shape]) -> bool:
         worst_frames(consecutive, conditions)
         print()
         motion(consecutive + others, conditions)
+        print()
+        standing(shapes, conditions)
         print()
     rigid_keys(shapes or [bent_bar()], conditions)
     print()

@@ -221,6 +221,23 @@ void print_peer() {
   }
 }
 
+/// Head and hip stand, a foot goes straight.
+void print_pins() {
+  std::printf("\n24 frames, milliseconds a frame, without pins and with three\n%9s %9s %9s\n", "vertices",
+              "without", "with");
+  for (const int n : {1000, 5000, 10000}) {
+    const Shape shape = figure(n);
+    const std::vector<Points> keys = keys_of(shape);
+    const Eigen::VectorXd times = uniform(26).segment(1, 24);
+    InbetweenOptions pinned;
+    pinned.pins =
+        Handles::at_vertices(Eigen::Map<const Eigen::VectorXi>(shape.pins.data(), 3), shape.vertices.rows());
+    const double without = seconds(5, [&] { (void)inbetween(keys, times, shape.triangles); });
+    const double with = seconds(5, [&] { (void)inbetween(keys, times, shape.triangles, pinned); });
+    std::printf("%9td %9.2f %9.2f\n", shape.vertices.rows(), 1e3 * without / 24.0, 1e3 * with / 24.0);
+  }
+}
+
 void print_long_shot() {
   const Shape shape = figure(5000);
   const std::vector<Points> keys = keys_of(shape);
@@ -237,6 +254,7 @@ void print_long_shot() {
 void print_inbetweens() {
   print_paper_sizes();
   print_peer();
+  print_pins();
   print_long_shot();
 }
 

@@ -84,14 +84,18 @@ std::vector<Number> entries(const py::array& source) {
   return result;
 }
 
+enum class Missing { refused, allowed };  // entries that are no numbers
+
 template <typename Matrix>
-Matrix to_reals(const std::string& name, py::handle value, Eigen::Index rows, int columns) {
+Matrix to_reals(const std::string& name, py::handle value, Eigen::Index rows, int columns,
+                Missing missing = Missing::refused) {
   const py::array array = checked_array(name, value, "fiu", "real numbers", rows, columns);
   const int width = std::max(columns, 1);
   Matrix result(array.shape(0), width);
   Eigen::Index i = 0;
   for (const double entry : entries<double>(array)) {
-    if (!std::isfinite(entry)) refuse_row(name, i / width, "not a finite number");
+    const bool allowed = missing == Missing::allowed && std::isnan(entry);
+    if (!allowed && !std::isfinite(entry)) refuse_row(name, i / width, "not a finite number");
     result.data()[i++] = entry;
   }
   return result;
@@ -218,6 +222,20 @@ Eigen::MatrixXi to_whole_table(const std::string& name, py::handle value, Eigen:
   refuse(name, "shape " + shape_text(array) + ", expected a whole number, a vector or a table of them");
 }
 
+Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> to_flag_table(const std::string& name, py::handle value) {
+  if (value.is_none()) return {};
+  const py::array array = as_array(name, value);
+  if (array.ndim() != 2 || array.dtype().kind() != 'b') {
+    refuse(name, "shape " + shape_text(array) + " of dtype " + py::str(array.dtype()).cast<std::string>() +
+                     ", expected a table of truths");
+  }
+  using Flags = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const std::vector<std::uint8_t> flags = entries<std::uint8_t>(array);
+  Flags result(array.shape(0), array.shape(1));
+  std::transform(flags.begin(), flags.end(), result.data(), [](std::uint8_t flag) { return flag != 0; });
+  return result;
+}
+
 bool is_sequence(py::handle value) {
   if (py::isinstance<py::array>(value)) return py::reinterpret_borrow<py::array>(value).ndim() > 0;
   return py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value);
@@ -230,13 +248,28 @@ py::list items_of(py::handle sequence) {
   return items;
 }
 
+namespace {
+
+std::vector<Points> tables_of(const std::string& name, py::handle value, Missing missing) {
+  std::vector<Points> tables;
+  for (const py::handle table : items_of(value)) {
+    const std::string item = name + "[" + std::to_string(tables.size()) + "]";
+    tables.push_back(to_reals<Points>(item, table, kAnyRows, 2, missing));
+  }
+  return tables;
+}
+
+}  // namespace
+
 std::vector<Points> to_shapes(const std::string& name, py::handle value) {
   if (!is_sequence(value)) refuse(name, "expected an array of shapes, (k, n, 2)");
-  std::vector<Points> shapes;
-  for (const py::handle shape : items_of(value)) {
-    shapes.push_back(to_points(name + "[" + std::to_string(shapes.size()) + "]", shape));
-  }
-  return shapes;
+  return tables_of(name, value, Missing::refused);
+}
+
+std::vector<Points> to_paths(const std::string& name, py::handle value) {
+  if (value.is_none()) return {};
+  if (!is_sequence(value)) refuse(name, "expected an array of places, (f, k, 2)");
+  return tables_of(name, value, Missing::allowed);
 }
 
 Elements to_elements(py::handle triangles, py::handle edges) {

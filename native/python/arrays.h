@@ -55,6 +55,10 @@ int to_whole(const std::string& name, pybind11::handle value);
 // A whole number for all rows, rows of them, or rows×columns; None gives an empty matrix.
 Eigen::MatrixXi to_whole_table(const std::string& name, pybind11::handle value, Eigen::Index rows);
 
+// Truths, rows×columns; None gives an empty table.
+Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> to_flag_table(const std::string& name,
+                                                                 pybind11::handle value);
+
 // Whether Python would iterate over it and it is no text.
 bool is_sequence(pybind11::handle value);
 
@@ -63,6 +67,10 @@ pybind11::list items_of(pybind11::handle sequence);
 
 // f×n×2, or a sequence of n×2.
 std::vector<Points> to_shapes(const std::string& name, pybind11::handle value);
+
+// The same with entries that may be no numbers; None gives none.
+std::vector<Points> to_paths(const std::string& name, pybind11::handle value);
+
 inline Eigen::Index vertices_of(const std::vector<Points>& shapes) {
   return shapes.empty() ? 0 : shapes[0].rows();
 }

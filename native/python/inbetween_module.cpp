@@ -50,6 +50,15 @@ std::vector<Edges> to_joints(py::handle value) {
   return joints;
 }
 
+// Handles of a mesh.
+Handles to_pins(py::handle value, const Elements& elements, Eigen::Index n_vertices) {
+  if (value.is_none()) return {};
+  const auto* triangles = std::get_if<Triangles>(&elements);
+  if (triangles == nullptr)
+    throw std::invalid_argument("pins: edges without faces have none; give triangles");
+  return to_handles(value, *triangles, n_vertices);
+}
+
 InbetweenMethod to_method(const std::string& name) {
   return to_choice<InbetweenMethod>("method", name,
                                     {{"midpoint", InbetweenMethod::midpoint},
@@ -65,8 +74,9 @@ AnchorPath to_path(const std::string& name) {
 // What inbetween and Inbetweens are given in common.
 struct Request {
   Request(py::handle keys_, py::handle triangles, py::handle edges, py::handle key_times, py::handle rest,
-          py::handle turns, py::handle anchor, const std::string& anchor_path, py::handle joints, bool smooth,
-          std::optional<int> cage, double tolerance, int max_iterations, int threads, py::handle progress)
+          py::handle turns, py::handle anchor, const std::string& anchor_path, py::handle joints,
+          py::handle pins, py::handle pin_groups, py::handle pinned, bool smooth, std::optional<int> cage,
+          double tolerance, int max_iterations, int threads, py::handle progress)
       : keys(to_shapes("keys", keys_)), elements(to_elements(triangles, edges)) {
     options.key_times = to_numbers("key_times", key_times, static_cast<Eigen::Index>(keys.size()));
     if (!rest.is_none()) options.rest = to_points("rest", rest, vertices_of(keys));
@@ -75,6 +85,9 @@ struct Request {
     options.anchors = to_anchors(anchor);
     options.anchor_path = to_path(anchor_path);
     options.joints = to_joints(joints);
+    options.pins = to_pins(pins, elements, vertices_of(keys));
+    options.pin_groups = to_indices("pin_groups", pin_groups, options.pins.size());
+    options.pinned = to_flag_table("pinned", pinned);
     options.smooth = smooth;
     options.cage = cage;
     options.tolerance = tolerance;
@@ -91,17 +104,19 @@ struct Request {
 py::array_t<double> py_inbetween(py::handle keys, py::handle times, py::handle triangles, py::handle edges,
                                  py::handle key_times, py::handle rest, py::handle turns,
                                  const std::string& method, py::handle anchor, const std::string& anchor_path,
-                                 py::handle joints, bool smooth, std::optional<int> cage, double tolerance,
+                                 py::handle joints, py::handle pins, py::handle pin_groups, py::handle pinned,
+                                 py::handle pin_paths, bool smooth, std::optional<int> cage, double tolerance,
                                  int max_iterations, int threads, py::handle progress) {
-  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, smooth, cage,
-                  tolerance, max_iterations, threads, progress);
+  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, pins,
+                  pin_groups, pinned, smooth, cage, tolerance, max_iterations, threads, progress);
   request.options.method = to_method(method);
   const Eigen::VectorXd t = to_numbers("times", times, kAnyRows);
+  const std::vector<Points> paths = to_paths("pin_paths", pin_paths);
   std::vector<Points> frames;
   {
     const py::gil_scoped_release unlocked;
     frames = std::visit(
-        [&](const auto& elements) { return inbetween(request.keys, t, elements, request.options); },
+        [&](const auto& elements) { return inbetween(request.keys, t, elements, request.options, paths); },
         request.elements);
   }
   return frames_array(frames, vertices_of(request.keys));
@@ -123,20 +138,23 @@ using InbetweensRef = std::shared_ptr<SharedInbetweens>;
 
 InbetweensRef make_inbetweens(py::handle keys, py::handle triangles, py::handle edges, py::handle key_times,
                               py::handle rest, py::handle turns, py::handle anchor,
-                              const std::string& anchor_path, py::handle joints, bool smooth,
-                              std::optional<int> cage, double tolerance, int max_iterations, int threads,
-                              py::handle progress) {
-  const Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, smooth,
-                        cage, tolerance, max_iterations, threads, progress);
+                              const std::string& anchor_path, py::handle joints, py::handle pins,
+                              py::handle pin_groups, py::handle pinned, bool smooth, std::optional<int> cage,
+                              double tolerance, int max_iterations, int threads, py::handle progress) {
+  const Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, pins,
+                        pin_groups, pinned, smooth, cage, tolerance, max_iterations, threads, progress);
   const py::gil_scoped_release unlocked;
   return std::make_shared<SharedInbetweens>(request);
 }
 
-py::array_t<double> py_at(const InbetweensRef& shared, py::handle times, bool overshoot) {
+py::array_t<double> py_at(const InbetweensRef& shared, py::handle times, bool overshoot,
+                          py::handle pin_paths) {
   const Eigen::VectorXd t = to_numbers("times", times, kAnyRows);
+  const std::vector<Points> paths = to_paths("pin_paths", pin_paths);
   const Outside outside = overshoot ? Outside::extrapolate : Outside::refuse;
-  return frames_array(shared->motion.with([&](const Inbetweens& motion) { return motion.at(t, outside); }),
-                      shared->n_vertices);
+  return frames_array(
+      shared->motion.with([&](const Inbetweens& motion) { return motion.at(t, outside, {}, paths); }),
+      shared->n_vertices);
 }
 
 }  // namespace
@@ -147,9 +165,11 @@ void bind_inbetween(py::module_& m) {
       py::arg("triangles") = py::none(), py::arg("edges") = py::none(), py::arg("key_times") = py::none(),
       py::arg("rest") = py::none(), py::arg("turns") = py::none(), py::arg("method") = "midpoint",
       py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight", py::arg("joints") = py::none(),
-      py::arg("smooth") = false, py::arg("cage") = py::none(), py::arg("tolerance") = 5e-4,
-      py::arg("max_iterations") = 100, py::arg("threads") = 0, py::arg("progress") = py::none(),
-      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", joints=None, smooth=False, cage=None, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      py::arg("pins") = py::none(), py::arg("pin_groups") = py::none(), py::arg("pinned") = py::none(),
+      py::arg("pin_paths") = py::none(), py::arg("smooth") = false, py::arg("cage") = py::none(),
+      py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100, py::arg("threads") = 0,
+      py::arg("progress") = py::none(),
+      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", joints=None, pins=None, pin_groups=None, pinned=None, pin_paths=None, smooth=False, cage=None, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 Shapes between key shapes, as isometric as possible [AIAP].
 
@@ -158,9 +178,12 @@ open lines, any edge soup). key_times K, ascending (None: 0..K-1). rest n x 2: l
 between two keys depends on no other (None: from the keys' means). turns: extra whole turns, counter-clockwise: a number, K-1, or
 (K-1) x parts. anchor: vertices whose mean, part by part, moves on anchor_path "straight" or "arc" (None: the centroid of each
 part), or a list of K-1 such sets and None. joints: K-1 arrays k x 2 or None, of layers that hang together: rows of a vertex of the
-carrying part and one of the carried part, which stay next to each other as in the keys. smooth: velocities are continuous at the keys, too; what rests or turns back at a key
+carrying part and one of the carried part, which stay next to each other as in the keys. pins: handles k (see the module) that
+are held on their ways: straight from key to key, so that what stands in both stands, or on pin_paths f x k x 2, their places at
+times (entries that are nan: the pin's own way; at a key's time there is the key). pin_groups k integers: handles of one group are a
+patch, which is turned as it goes. pinned (K-1) x k truths: which are held between which keys (None: all). smooth: velocities are continuous at the keys, too; what rests or turns back at a key
 does so without overshoot, and what is between two keys then depends on the ones next to them as well. cage, 12 at least: about how many vertices a coarse mesh has that is solved on in place of
-a larger one (triangles and method "midpoint" only), which is carried along. tolerance of [AIAP 11], a share of the diagonal of the square that holds the keys however they are turned. The result does not depend on threads (0: one per core).
+a larger one (triangles and method "midpoint" only, without pins), which is carried along. tolerance of [AIAP 11], a share of the diagonal of the square that holds the keys however they are turned. The result does not depend on threads (0: one per core).
 
 method "midpoint" solves on a grid that depends on the keys alone and samples it: any times give the same frames. Where triangles
 would be flipped though they are not in the keys, the motion between those is tracked so that none is. "paper" and "global" are
@@ -182,7 +205,7 @@ Cancelled.)");
 
   auto motion_class = py::class_<SharedInbetweens, InbetweensRef>(
       m, "Inbetweens",
-      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", joints=None, smooth=False, cage=None, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", joints=None, pins=None, pin_groups=None, pinned=None, smooth=False, cage=None, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 The motion of inbetween(method="midpoint"), solved once, to be sampled again and again: for a breakdown under the mouse.
 
@@ -192,14 +215,15 @@ Arguments and errors as inbetween. Threads may share an object: calls on it wait
       .def(py::init(&make_inbetweens), py::arg("keys"), py::kw_only(), py::arg("triangles") = py::none(),
            py::arg("edges") = py::none(), py::arg("key_times") = py::none(), py::arg("rest") = py::none(),
            py::arg("turns") = py::none(), py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight",
-           py::arg("joints") = py::none(), py::arg("smooth") = false, py::arg("cage") = py::none(),
+           py::arg("joints") = py::none(), py::arg("pins") = py::none(), py::arg("pin_groups") = py::none(),
+           py::arg("pinned") = py::none(), py::arg("smooth") = false, py::arg("cage") = py::none(),
            py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100, py::arg("threads") = 0,
            py::arg("progress") = py::none())
       .def("at", &py_at, py::arg("times"), py::kw_only(), py::arg("overshoot") = false,
-           R"(at(times, *, overshoot=False)
+           py::arg("pin_paths") = py::none(), R"(at(times, *, overshoot=False, pin_paths=None)
 
 The shapes at times, f, in any order. With overshoot they may lie outside of the keys' times, by no more than the outermost two
-keys are apart: there the motion goes on with the velocities that it has at the key. Returns f x n x 2. Raises ValueError and
+keys are apart: there the motion goes on with the velocities that it has at the key. pin_paths as inbetween. Returns f x n x 2. Raises ValueError and
 SolveError.)")
       .def_property_readonly(
           "report",

@@ -105,6 +105,67 @@ def test_each_transition_can_have_its_own_anchor():
         assert np.allclose(frames[1].mean(axis=0), centre, atol=1e-12)
 
 
+def test_pins_stand_or_go_on_their_paths():
+    keys = [REST, rolled(REST, 1.0) + np.array([0.3, 0.1])]
+    inside = ([3, 30], [[0.2, 0.3, 0.5], [1.0, 0.0, 0.0]])
+
+    def places(shape: np.ndarray) -> np.ndarray:
+        return np.einsum("kc,kcx->kx", inside[1], shape[TRIANGLES[inside[0]]])
+
+    ways = places(keys[0]) + np.linspace(0, 1, 5)[:, None, None] * (places(keys[1]) - places(keys[0]))
+    frames = planar_native.inbetween(keys, np.linspace(0, 1, 5), triangles=TRIANGLES, pins=inside)
+    assert max(np.abs(places(frame) - way).max() for frame, way in zip(frames, ways, strict=True)) < 1e-4
+    assert np.array_equal(frames[0], keys[0])
+    assert np.array_equal(frames[-1], keys[1])
+
+    motion = planar_native.Inbetweens(keys, triangles=TRIANGLES, pins=inside)
+    paths = ways + np.array([0.0, 0.02])
+    paths[:, 1] = np.nan
+    moved = motion.at(np.linspace(0, 1, 5), pin_paths=paths)
+    for frame, way in zip(moved[1:-1], ways[1:-1], strict=True):
+        assert np.abs(places(frame) - way - np.array([[0.0, 0.02], [0.0, 0.0]])).max() < 1e-4
+    assert np.array_equal(moved[-1], keys[1])
+    again = planar_native.inbetween(
+        keys, np.linspace(0, 1, 5), triangles=TRIANGLES, pins=inside, pin_paths=list(paths)
+    )
+    assert np.array_equal(again, moved)
+
+
+def test_pins_are_patches_and_held_where_it_is_said():
+    keys = [REST, rolled(REST, 2.0), REST]
+    pins = [0, 1, 21, 22]
+    frames = planar_native.inbetween(
+        keys, [0.5, 1.5], triangles=TRIANGLES, pins=pins, pin_groups=[7] * 4, pinned=[[True] * 4, [False] * 4]
+    )
+    free = planar_native.inbetween(keys, [0.5, 1.5], triangles=TRIANGLES)
+    assert np.array_equal(frames[1], free[1])
+    assert not np.array_equal(frames[0], free[0])
+    middle = (REST[pins].mean(axis=0) + keys[1][pins].mean(axis=0)) / 2
+    assert np.allclose(frames[0][pins].mean(axis=0), middle, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"pins": [99]}, "handles, row 0: vertex 99"),
+        ({"pins": [0], "pin_groups": [0, 1]}, "pin_groups: shape"),
+        ({"pins": [0], "pinned": [[1]]}, "pinned: shape"),
+        ({"pins": [0], "pinned": [True]}, "pinned: shape"),
+        ({"pins": [0], "pinned": [[True, True]]}, "pinned has 2 columns"),
+        ({"pins": [0], "pin_paths": [[[0, 0]] * 2]}, "has 2 rows"),
+        ({"pins": [0], "pin_paths": [[[0, np.inf]]]}, "not a finite number"),
+        ({"pins": [0], "pin_paths": 3}, "pin_paths: expected an array"),
+        ({"pin_paths": [[[0, 0]]]}, "there are no pins"),
+        ({"pins": [0], "method": "paper"}, "pins: the paper's methods"),
+    ],
+)
+def test_pins_that_cannot_be(options, message):
+    with pytest.raises(ValueError, match=message.replace("[", "\\[")):
+        planar_native.inbetween(KEYS, [0.5], triangles=TRIANGLES, **options)
+    with pytest.raises(ValueError, match="pins: edges without faces"):
+        planar_native.inbetween(KEYS[:, :21], [0.5], edges=SIDES, pins=[0])
+
+
 def test_joints_keep_layers_together():
     count = len(REST)
     rest = np.concatenate([REST, REST + np.array([1, 0])])

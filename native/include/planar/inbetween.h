@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "planar/handle.h"
 #include "planar/types.h"
 
 namespace planar {
@@ -51,6 +52,19 @@ struct InbetweenOptions {
   /// next; the carried part has no anchor then. No part is carried twice, none carries itself in the end.
   /// None at all, one set for all transitions, or K-1 sets.
   std::vector<Edges> joints{};
+
+  /// Points of a mesh that are held on their ways from key to key (midpoint only; the others refuse them):
+  /// straight ones, so that what stands in both keys stands, or those of Inbetweens::at. Of a part with
+  /// several of them they decide place and turn.
+  Handles pins{};
+
+  /// k labels, or empty: all different. Handles with equal labels are one pin (a patch), which is turned as
+  /// it goes: its middle goes straight.
+  Eigen::VectorXi pin_groups{};
+
+  /// (K-1)×k: which pins are held between which two keys, patches as a whole; empty: all. A pin that is held
+  /// on one side of a key only may change its velocity there.
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> pinned{};
 
   /// Velocities are continuous at the keys, too (midpoint only; the others refuse it). What is between two
   /// keys then depends on the two next to them as well, and on the times.
@@ -119,6 +133,10 @@ struct TransitionReport {
 ///
 /// 8. Translation, which the paper leaves out: an anchor of each part moves on a path, or another part
 /// carries it. Isolated vertices move straight.
+///
+/// 9. Pins: a frame in which they are not where they should be becomes the rest shape of Poser's method hold,
+/// which settles with the pins at their places. A part that is carried comes along by the way that its joint
+/// goes then. Pins whose ways would have triangles turned over fall short of them.
 class Inbetweens {
  public:
   /// \param keys K ≥ 2 shapes, n×2 each
@@ -148,8 +166,13 @@ class Inbetweens {
 
   /// The shapes at several times in any order; each is what at(time) gives. `progress` is called with the
   /// share of them done, in the caller's thread; false stops by `Cancelled`.
+  ///
+  /// \param pin_paths where the handles of InbetweenOptions::pins are to be, k×2 for each time, or empty. One
+  /// that is not a number goes its own way. At a key's time there is the key, to which the others should
+  /// lead.
   std::vector<Points> at(const Eigen::VectorXd& times, Outside outside = Outside::refuse,
-                         const std::function<bool(double)>& progress = {}) const;
+                         const std::function<bool(double)>& progress = {},
+                         const std::vector<Points>& pin_paths = {}) const;
 
   /// K-1 reports on the solution.
   const std::vector<TransitionReport>& report() const;
@@ -162,16 +185,20 @@ class Inbetweens {
 /// Frames (n×2) at `times` between `keys`. Method midpoint is Inbetweens. The paper's two methods sample
 /// uniformly between two keys, so they take two keys and uniform times from the first to the last.
 ///
+/// \param pin_paths as Inbetweens::at
+///
 /// \throw std::invalid_argument as Inbetweens; `times` that the method cannot give
 ///
 /// \throw SolveError the frames cannot be assembled, or the iteration diverges
 ///
 /// \throw Cancelled options.progress returned false
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                              const Triangles& triangles, const InbetweenOptions& options = {});
+                              const Triangles& triangles, const InbetweenOptions& options = {},
+                              const std::vector<Points>& pin_paths = {});
 
 /// The same for edges without faces.
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                              const Edges& edges, const InbetweenOptions& options = {});
+                              const Edges& edges, const InbetweenOptions& options = {},
+                              const std::vector<Points>& pin_paths = {});
 
 }  // namespace planar

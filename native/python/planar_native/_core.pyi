@@ -99,6 +99,10 @@ def inbetween(
     anchor: ArrayLike | Sequence[ArrayLike | None] | None = None,
     anchor_path: Literal["straight", "arc"] = "straight",
     joints: Sequence[ArrayLike | None] | None = None,
+    pins: _Handles | None = None,
+    pin_groups: ArrayLike | None = None,
+    pinned: ArrayLike | None = None,
+    pin_paths: ArrayLike | None = None,
     smooth: bool = False,
     cage: int | None = None,
     tolerance: float = 5e-4,
@@ -128,6 +132,9 @@ class Inbetweens:
         anchor: ArrayLike | Sequence[ArrayLike | None] | None = None,
         anchor_path: Literal["straight", "arc"] = "straight",
         joints: Sequence[ArrayLike | None] | None = None,
+        pins: _Handles | None = None,
+        pin_groups: ArrayLike | None = None,
+        pinned: ArrayLike | None = None,
         smooth: bool = False,
         cage: int | None = None,
         tolerance: float = 5e-4,
@@ -135,7 +142,9 @@ class Inbetweens:
         threads: int = 0,
         progress: Callable[[float], bool | None] | None = None,
     ) -> None: ...
-    def at(self, times: ArrayLike, *, overshoot: bool = False) -> NDArray[float64]: ...
+    def at(
+        self, times: ArrayLike, *, overshoot: bool = False, pin_paths: ArrayLike | None = None
+    ) -> NDArray[float64]: ...
     @property
     def report(self) -> list[TransitionReport]: ...
 

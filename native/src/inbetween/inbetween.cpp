@@ -14,8 +14,6 @@ namespace planar {
 
 namespace {
 
-constexpr std::size_t frames_at_a_time = 16;  // between two calls of progress
-
 std::vector<Ties> ties_of(const EdgeGraph& graph, const std::vector<Points>& keys,
                           const InbetweenOptions& options, const CarriedKeys* carrier) {
   const std::vector<Eigen::VectorXi> anchors = anchors_of(graph, keys, options);
@@ -36,6 +34,8 @@ struct Inbetweens::State {
     }
     carrier = CarriedKeys::of(keys, graph, options);
     if (carrier) {
+      if (options.pins.size() > 0)
+        throw std::invalid_argument("pins: a mesh that is solved through a cage has none; take no cage");
       const std::vector<Ties> ties = ties_of(carrier->graph(), keys, options, carrier.get());
       motion = std::make_unique<Motion>(carrier->keys(),
                                         EdgeGraph(carrier->keys()[0].rows(), carrier->triangles()),
@@ -49,8 +49,24 @@ struct Inbetweens::State {
     for (TransitionReport& report : reports) report.unrepaired = carrier->parts(report.unrepaired);
   }
 
+  void require_paths(const std::vector<Points>& paths, Eigen::Index n_times) const {
+    if (paths.empty()) return;
+    if (motion->pin_handles() == 0) throw std::invalid_argument("pin_paths: there are no pins");
+    require_rows("pin_paths", static_cast<Eigen::Index>(paths.size()), n_times, "time");
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      const std::string name = "pin_paths[" + std::to_string(i) + "]";
+      require_rows(name.c_str(), paths[i].rows(), motion->pin_handles(), "handle of pins");
+      for (Eigen::Index row = 0; row < paths[i].rows(); ++row) {
+        if (paths[i].row(row).hasNaN() || paths[i].row(row).allFinite()) continue;
+        throw std::invalid_argument(row_of(name.c_str(), row) + "not a finite number");
+      }
+    }
+  }
+
   std::vector<Points> sample(const Eigen::VectorXd& wanted, Outside outside,
-                             const std::function<bool(double)>& progress = {}) {
+                             const std::function<bool(double)>& progress = {},
+                             const std::vector<Points>& paths = {}) {
+    require_paths(paths, wanted.size());
     const Eigen::VectorXd& times = motion->key_times();
     std::vector<Points> result(static_cast<std::size_t>(wanted.size()));
     std::vector<std::size_t> rows;  // those that are not keys
@@ -74,13 +90,16 @@ struct Inbetweens::State {
       rows.push_back(row);
       moments.push_back({static_cast<std::size_t>(transition), share});
     }
-    for (std::size_t first = 0; first < rows.size(); first += frames_at_a_time) {
-      const std::size_t end = std::min(first + frames_at_a_time, rows.size());
+    const std::size_t at_a_time = motion->frames_at_a_time();
+    for (std::size_t first = 0; first < rows.size(); first += at_a_time) {
+      const std::size_t end = std::min(first + at_a_time, rows.size());
       if (progress && !progress(static_cast<double>(first) / static_cast<double>(rows.size()))) {
         throw Cancelled();
       }
-      std::vector<Points> solved = motion->sample({moments.begin() + static_cast<std::ptrdiff_t>(first),
-                                                   moments.begin() + static_cast<std::ptrdiff_t>(end)});
+      std::vector<Points> solved =
+          motion->sample({moments.begin() + static_cast<std::ptrdiff_t>(first),
+                          moments.begin() + static_cast<std::ptrdiff_t>(end)},
+                         [&](std::size_t i) { return paths.empty() ? nullptr : &paths[rows[first + i]]; });
       motion->threads().run(end - first, [&](std::size_t i, std::size_t) {
         const auto [k, u] = moments[first + i];
         Points& frame = result[rows[first + i]];
@@ -106,7 +125,8 @@ EdgeGraph graph_of(const std::vector<Points>& keys, const Elements& elements) {
 
 template <typename Elements>
 std::vector<Points> frames(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                           const Elements& elements, const InbetweenOptions& options) {
+                           const Elements& elements, const InbetweenOptions& options,
+                           const std::vector<Points>& pin_paths) {
   if (options.method == InbetweenMethod::midpoint) {
     const auto progress_from = [&options](double begin) -> std::function<bool(double)> {
       if (!options.progress) return {};
@@ -114,8 +134,9 @@ std::vector<Points> frames(const std::vector<Points>& keys, const Eigen::VectorX
     };
     InbetweenOptions solving = options;
     solving.progress = progress_from(0.0);
-    return Inbetweens(keys, elements, solving).at(times, Outside::refuse, progress_from(0.5));
+    return Inbetweens(keys, elements, solving).at(times, Outside::refuse, progress_from(0.5), pin_paths);
   }
+  if (!pin_paths.empty()) throw std::invalid_argument("pin_paths: there are no pins");
   return paper_inbetween(keys, times, graph_of(keys, elements), options);
 }
 
@@ -137,20 +158,23 @@ Points Inbetweens::at(double time, Outside outside) const {
 }
 
 std::vector<Points> Inbetweens::at(const Eigen::VectorXd& times, Outside outside,
-                                   const std::function<bool(double)>& progress) const {
-  return state_->sample(times, outside, progress);
+                                   const std::function<bool(double)>& progress,
+                                   const std::vector<Points>& pin_paths) const {
+  return state_->sample(times, outside, progress, pin_paths);
 }
 
 const std::vector<TransitionReport>& Inbetweens::report() const { return state_->reports; }
 
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                              const Triangles& triangles, const InbetweenOptions& options) {
-  return frames(keys, times, triangles, options);
+                              const Triangles& triangles, const InbetweenOptions& options,
+                              const std::vector<Points>& pin_paths) {
+  return frames(keys, times, triangles, options, pin_paths);
 }
 
 std::vector<Points> inbetween(const std::vector<Points>& keys, const Eigen::VectorXd& times,
-                              const Edges& edges, const InbetweenOptions& options) {
-  return frames(keys, times, edges, options);
+                              const Edges& edges, const InbetweenOptions& options,
+                              const std::vector<Points>& pin_paths) {
+  return frames(keys, times, edges, options, pin_paths);
 }
 
 }  // namespace planar

@@ -35,4 +35,22 @@ double slope_through_key(double a, double b, KeyGaps gaps);
 /// The same for places: the mean of the two directions at the mean of the speeds.
 std::complex<double> slope_through_key(std::complex<double> a, std::complex<double> b, KeyGaps gaps);
 
+/// Has a quantity come to a key and leave it with one slope. `before` and `after` are the slopes per u that
+/// it has there without the changes, which are filled in.
+template <typename Value>
+void meet_at_key(Value before, Value after, KeyGaps gaps, SlopeChange<Value>& change_before,
+                 SlopeChange<Value>& change_after) {
+  const Value slope = slope_through_key(before / gaps.before, after / gaps.after, gaps);
+  change_before.last = slope * gaps.before - before;
+  change_after.first = slope * gaps.after - after;
+}
+
+/// A place's way from one key to the next.
+struct Line {
+  std::complex<double> from, way;
+  SlopeChange<std::complex<double>> change{};
+
+  std::complex<double> at(double u) const { return from + u * way + change.at(u); }
+};
+
 }  // namespace planar

@@ -5,10 +5,26 @@
 #include <numbers>
 #include <utility>
 
+#include "base/diameter.h"
+#include "base/index.h"
 #include "inbetween/edge_turns.h"
 #include "inbetween/inbetween_input.h"
 
 namespace planar {
+
+namespace {
+
+/// Of edges, with the extra whole turns of their parts.
+Eigen::VectorXd whole_turns(const EdgeGraph& graph, Eigen::VectorXd edge_turns,
+                            const Eigen::RowVectorXi& extra) {
+  for (Eigen::Index i = 0; i < edge_turns.size(); ++i) {
+    const int v = graph.edges[static_cast<std::size_t>(i)][0];
+    edge_turns[i] += 2.0 * std::numbers::pi * extra[graph.part[at(v)]];
+  }
+  return edge_turns;
+}
+
+}  // namespace
 
 Motion::Motion(const std::vector<Points>& shapes, EdgeGraph edge_graph, const InbetweenOptions& options,
                const std::vector<Ties>& ties)
@@ -20,6 +36,8 @@ Motion::Motion(const std::vector<Points>& shapes, EdgeGraph edge_graph, const In
   const Eigen::MatrixXi extra = turns_of(graph_, keys_, options);
   const std::vector<Points> references = references_of(keys_, options);
   const double limit = options.tolerance * size_of(references);
+  if (options.pins.size() > 0) pins_ = std::make_unique<FramePins>(graph_, keys_, options);
+  const std::vector<Edges> joints = pins_ ? joints_of(graph_, keys_, options) : std::vector<Edges>{};
   assembler_.factorize(frozen_weights(graph_, references));
   const EdgeTurns unwrapped(graph_);
   transitions_.reserve(ties.size());
@@ -36,11 +54,22 @@ Motion::Motion(const std::vector<Points>& shapes, EdgeGraph edge_graph, const In
     settings.progress(0.0);
     transitions_.push_back({{graph_, assembler_, from, to, turns, part_turns, settings, team_},
                             {graph_, from, to, ties[k], course},
+                            nullptr,
                             nullptr});
+    if (pins_) {
+      transitions_.back().pins = std::make_unique<PinnedTransition>(
+          graph_, *pins_, k, from, to, joints[k],
+          whole_turns(graph_, turns, extra.row(static_cast<Eigen::Index>(k))));
+    }
     reports_.push_back({transitions_.back().edges.iterations(), transitions_.back().edges.converged()});
   }
   if (options.smooth) join_transitions();
   for (std::size_t k = 0; k < ties.size(); ++k) repair(k, progress_of(options, 0.5, k));
+  if (!pins_) return;
+  const auto largest = std::max_element(
+      keys_.begin(), keys_.end(), [](const Points& a, const Points& b) { return diameter(a) < diameter(b); });
+  holders_ = std::make_unique<PerThread<PinHolder>>(
+      team_, [this, largest] { return std::make_unique<PinHolder>(*largest, pins_->triangles); });
 }
 
 std::function<void(double)> Motion::progress_of(const InbetweenOptions& options, double begin,
@@ -58,6 +87,7 @@ void Motion::join_transitions() {
     const KeyGaps gaps = key_gaps(times_[key - 1], times_[key], times_[key + 1]);
     MidpointTransition::join(transitions_[k - 1].edges, transitions_[k].edges, gaps);
     PartPlacer::join(transitions_[k - 1].placer, transitions_[k].placer, gaps);
+    if (pins_) PinnedTransition::join(*transitions_[k - 1].pins, *transitions_[k].pins, gaps);
   }
 }
 
@@ -103,14 +133,36 @@ std::vector<Points> Motion::frames(const std::vector<Eigen::Index>& k, const Eig
   return result;
 }
 
-std::vector<Points> Motion::sample(const std::vector<Moment>& moments) {
+std::size_t Motion::frames_at_a_time() const {
+  constexpr std::size_t several = 16;
+  // Pins take most of the time.
+  const auto few = static_cast<std::size_t>(std::max<Eigen::Index>(FrameAssembler::lanes, team_.size()));
+  return pins_ ? few : several;
+}
+
+void Motion::hold_pins(Points& frame, const Moment& moment, const Points* path, std::size_t thread) {
+  const PinnedTransition& transition = *transitions_[moment.k].pins;
+  Points places = transition.places(moment.u);
+  for (Eigen::Index row = 0; path && row < places.rows(); ++row) {
+    if (!path->row(row).hasNaN()) places.row(row) = path->row(row);
+  }
+  frame = transition.held(frame, places, holders_->of(thread));
+}
+
+std::vector<Points> Motion::sample(const std::vector<Moment>& moments,
+                                   const std::function<const Points*(std::size_t i)>& path) {
   std::vector<Eigen::Index> k;
   Eigen::VectorXd u(static_cast<Eigen::Index>(moments.size()));
   for (std::size_t i = 0; i < moments.size(); ++i) {
     k.push_back(static_cast<Eigen::Index>(moments[i].k));
     u[static_cast<Eigen::Index>(i)] = moments[i].u;
   }
-  return frames(k, u, true);
+  std::vector<Points> result = frames(k, u, true);
+  if (pins_) {
+    team_.run(result.size(),
+              [&](std::size_t i, std::size_t thread) { hold_pins(result[i], moments[i], path(i), thread); });
+  }
+  return result;
 }
 
 }  // namespace planar

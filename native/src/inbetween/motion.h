@@ -9,7 +9,9 @@
 #include "inbetween/frame_assembler.h"
 #include "inbetween/midpoint_transition.h"
 #include "inbetween/part_placer.h"
+#include "inbetween/pinned_transition.h"
 #include "mesh/edge_graph.h"
+#include "parallel/per_thread.h"
 #include "parallel/thread_team.h"
 #include "planar/inbetween.h"
 
@@ -30,7 +32,14 @@ class Motion {
          const std::vector<Ties>& ties);
 
   /// Frames at moments that are not keys'.
-  std::vector<Points> sample(const std::vector<Moment>& moments);
+  /// \param path where the pins' handles (k×2) are to be at moments[i], where that is a number; null: nowhere
+  /// else than by themselves
+  std::vector<Points> sample(const std::vector<Moment>& moments,
+                             const std::function<const Points*(std::size_t i)>& path);
+
+  /// Between two calls of progress.
+  std::size_t frames_at_a_time() const;
+  Eigen::Index pin_handles() const { return pins_ ? pins_->handles.size() : 0; }
 
   const Eigen::VectorXd& key_times() const { return times_; }
   ThreadTeam& threads() { return team_; }
@@ -41,13 +50,15 @@ class Motion {
   struct Transition {
     MidpointTransition edges;
     PartPlacer placer;
-    std::unique_ptr<FlipRepair> repair;  ///< none if there is nothing to repair
+    std::unique_ptr<FlipRepair> repair;      ///< none if there is nothing to repair
+    std::unique_ptr<PinnedTransition> pins;  ///< none if there are no pins
   };
 
   /// Of the work on one transition, which is done in halves: first all are solved, then all are repaired.
   std::function<void(double)> progress_of(const InbetweenOptions& options, double begin, std::size_t k) const;
   void join_transitions();
   void repair(std::size_t k, const std::function<void(double)>& progress);
+  void hold_pins(Points& frame, const Moment& moment, const Points* path, std::size_t thread);
   /// Frames at shares u[i] of transitions k[i], a pass for FrameAssembler::lanes of them.
   std::vector<Points> frames(const std::vector<Eigen::Index>& k, const Eigen::VectorXd& u, bool repaired);
 
@@ -56,8 +67,10 @@ class Motion {
   EdgeGraph graph_;
   FrameAssembler assembler_;
   ThreadTeam team_;
+  std::unique_ptr<FramePins> pins_;  ///< none if there are no pins
   std::vector<Transition> transitions_;
   std::vector<TransitionReport> reports_;
+  std::unique_ptr<PerThread<PinHolder>> holders_;  ///< where there are pins
 };
 
 }  // namespace planar

@@ -142,6 +142,8 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
   require_iteration(options);
   if (options.smooth) throw std::invalid_argument("smooth: the paper's methods are not; use midpoint");
   if (options.cage) throw std::invalid_argument("cage: the paper's methods have none; use midpoint");
+  if (options.pins.size() > 0)
+    throw std::invalid_argument("pins: the paper's methods have none; use midpoint");
   require_uniform(times, key_times_of(keys, options));
   const Eigen::VectorXi anchor = anchors_of(graph, keys, options)[0];
   const Edges joints = joints_of(graph, keys, options)[0];

@@ -105,21 +105,20 @@ Complex PartPlacer::path_slope(const Part& part, double u) {
 }
 
 void PartPlacer::join(PartPlacer& before, PartPlacer& after, KeyGaps gaps) {
-  const auto meet = [gaps](auto slope_before, auto slope_after, auto& change_before, auto& change_after) {
-    const auto slope = slope_through_key(slope_before / gaps.before, slope_after / gaps.after, gaps);
-    change_before.last = slope * gaps.before - slope_before;
-    change_after.first = slope * gaps.after - slope_after;
-  };
   for (std::size_t p = 0; p < before.parts_.size(); ++p) {
     Part &a = before.parts_[p], &b = after.parts_[p];
-    meet(a.turn, b.turn, a.turn_change, b.turn_change);
-    meet(a.arc, b.arc, a.arc_change, b.arc_change);
-    if (a.anchor == b.anchor) meet(path_slope(a, 1.0), path_slope(b, 0.0), a.path_change, b.path_change);
-    if (a.joint == b.joint) meet(a.offset.way, b.offset.way, a.offset.change, b.offset.change);
+    meet_at_key(a.turn, b.turn, gaps, a.turn_change, b.turn_change);
+    meet_at_key(a.arc, b.arc, gaps, a.arc_change, b.arc_change);
+    if (a.anchor == b.anchor) {
+      meet_at_key(path_slope(a, 1.0), path_slope(b, 0.0), gaps, a.path_change, b.path_change);
+    }
+    if (a.joint == b.joint) {
+      meet_at_key(a.offset.way, b.offset.way, gaps, a.offset.change, b.offset.change);
+    }
   }
   for (std::size_t i = 0; i < before.isolated_.size(); ++i) {
     Line &a = before.isolated_line_[i], &b = after.isolated_line_[i];
-    meet(a.way, b.way, a.change, b.change);
+    meet_at_key(a.way, b.way, gaps, a.change, b.change);
   }
 }
 

@@ -62,14 +62,6 @@ class PartPlacer {
  private:
   using Complex = std::complex<double>;
 
-  /// From one key to the next.
-  struct Line {
-    Complex from, way;
-    SlopeChange<Complex> change{};
-
-    Complex at(double u) const { return from + u * way + change.at(u); }
-  };
-
   struct Part {
     Spot anchor;                  ///< never empty
     std::array<Spot, 2> joint{};  ///< on the carrying part and on this one, or empty

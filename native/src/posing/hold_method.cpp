@@ -116,6 +116,14 @@ void HoldMethod::set_lines(std::vector<LineSpring> lines) {
   springs_.lines = std::move(lines);
 }
 
+void HoldMethod::set_rest(const Points& rest) {
+  reset();
+  unseen_ = may_be_tangled_ = false;
+  rest_ = rest;
+  windings_at_rest_ = windings_of(rest, mesh_.triangles);
+  newton_.set_energy(RestEnergy(rest, newton_.system().matrix(), orientation_.flat(), {}), 1.0);
+}
+
 void HoldMethod::reset() noexcept {
   worker_.wait();
   newton_.system().forget();

@@ -37,6 +37,10 @@ class HoldMethod final : public PosingMethod {
   /// Beside the handles; to be called after set_handles(), which removes them.
   void set_lines(std::vector<LineSpring> lines);
 
+  /// Another rest shape, with the same triangles and without stiffness, of which x is a rigid motion part by
+  /// part at the next call. The orientation is to be its by now.
+  void set_rest(const Points& rest);
+
   /// settle() in so many steps at most, before each of which the caller is told; what he throws ends it.
   void settle_within(int steps, const std::function<void()>& before_step, const Points& targets, Points& x,
                      Report& report);
