@@ -16,10 +16,10 @@ from .operators import live_targets, stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.lattice import reaching, rig
-from .scene.objects import lattice_edits, triangulation
+from .scene.objects import cutout_object, lattice_edits, triangulation
 from .scene.pins import following
 from .scene.sequence import pose_showing
-from .scene.storage import changes, digests, migration
+from .scene.storage import changes, digests, migration, vertex_groups
 from .scene.view import coarseness, onion, snapshot
 
 CLASSES = ()
@@ -98,8 +98,10 @@ RESET: tuple[Callable[[], None], ...] = (
     solving.halt,
     solver_cache.clear,
     triangulation.forget,
+    cutout_object.forget,
     changes.tell_all,
     digests.forget,
+    vertex_groups.forget,
     reaching.forget,
     rig.forget,
     snapshot.forget,

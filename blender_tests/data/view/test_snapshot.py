@@ -39,15 +39,15 @@ def left_pin(obj):
 @pytest.fixture
 def reads(monkeypatch):
     """The names of the objects whose meshes are read, in order."""
-    from planar_deform.scene.objects import cutout_reading
+    from planar_deform.scene.objects import cutout_object
 
-    names, read = [], cutout_reading.read
+    names, read = [], cutout_object.read
 
     def counted(obj, **more):
         names.append(obj.name)
         return read(obj, **more)
 
-    monkeypatch.setattr(cutout_reading, "read", counted)
+    monkeypatch.setattr(cutout_object, "read", counted)
     return names
 
 

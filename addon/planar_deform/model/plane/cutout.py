@@ -76,17 +76,20 @@ def connected_parts(count: int, cells: Indices) -> Indices:
 
     `cells` are edges k x 2 or triangles k x 3.
 
-    Each round hooks every edge's larger root below the smaller one and flattens the trees, which takes
-    O(log n) rounds of whole-array operations in practice.
+    Each round hooks the larger root of every edge between two trees below the smaller one and flattens the
+    trees, which takes O(log n) rounds of whole-array operations in practice.
     """
     root = np.arange(count, dtype=np.int32)
     edges = np.concatenate([cells[:, [i, i + 1]] for i in range(cells.shape[1] - 1)])
     while True:
         ends = root[edges]
-        low, high = ends.min(axis=1), ends.max(axis=1)
-        if np.array_equal(low, high):
+        between = ends[:, 0] != ends[:, 1]
+        if not between.any():
             break
-        np.minimum.at(root, high, low)
+        edges, ends = edges[between], ends[between]
+        np.minimum.at(root, ends.max(axis=1), ends.min(axis=1))
         while not np.array_equal(root[root], root):
             root = root[root]
-    return np.unique(root, return_inverse=True)[1].astype(np.int32)
+    first = root == np.arange(count)
+    parts: Indices = (np.cumsum(first, dtype=np.int32) - 1)[root]
+    return parts

@@ -123,13 +123,13 @@ def _point_at(pin: Pin, shares: Array, centre: Array, cutout: Cutout) -> MeshPoi
     """
     triangles = cutout.triangles
     if len(pin.vertices) <= 3:
-        inside = np.logical_and.reduce([(triangles == vertex).any(axis=1) for vertex in pin.vertices])
-        if inside.any():
-            triangle = int(np.argmax(inside))
+        about = np.flatnonzero(triangles.ravel() == pin.vertices[0]) // 3
+        inside = [triangle for triangle in about.tolist() if set(pin.vertices) <= set(triangles[triangle])]
+        if inside:
             weights = np.zeros(3)
             for vertex, share in zip(pin.vertices, shares, strict=True):
-                weights[np.flatnonzero(triangles[triangle] == vertex)[0]] = share
-            return MeshPoint(triangle, weights)
+                weights[np.flatnonzero(triangles[inside[0]] == vertex)[0]] = share
+            return MeshPoint(inside[0], weights)
     parts = np.unique(cutout.parts[pin.vertices])
     among = np.flatnonzero(np.isin(cutout.parts[triangles[:, 0]], parts)).astype(np.int32)
     nearest = nearest_point if cutout.rest.shape[1] == 2 else nearest_in_space

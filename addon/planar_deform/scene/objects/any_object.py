@@ -14,7 +14,6 @@ from ..sequence import playback, pose_edit
 from ..storage import points
 from . import cutout_object
 from .cutout_object import CutoutObject
-from .cutout_reading import read
 from .flat_object import make_current
 from .lattice_object import LatticeObject, lattice_refusal
 from .line_object import LineObject, outline_refusal
@@ -60,7 +59,7 @@ def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> AnyObj
     assert obj is not None
     if obj.type == "LATTICE":
         return LatticeObject(obj, unkeyed)
-    return LineObject(obj, unkeyed) if is_outline(obj) else CutoutObject(obj, read(obj, unkeyed=unkeyed))
+    return LineObject(obj, unkeyed) if is_outline(obj) else cutout_object.made_of(obj, unkeyed=unkeyed)
 
 
 class Keyable(Protocol):
