@@ -22,6 +22,7 @@ class Cutout:
     parts: Indices  # n, the connected part of each vertex, counted from 0
     diagonal: float  # of the rest shape's bounding box
     stiffness: Array | None = None  # m factors, None: all 1
+    cage: int | None = None  # about how many vertices a coarse mesh has that is solved in its place
     flat: bool = True  # nothing is turned out of the plane, so that turns count from rest
 
 
@@ -30,13 +31,19 @@ STIFFEST = 100.0
 NEUTRAL = 0.5  # the painted weight that changes nothing
 
 
-def make_cutout(rest: Array, triangles: Indices, parts: Indices, painted: Array | None = None) -> Cutout:
+def make_cutout(
+    rest: Array,
+    triangles: Indices,
+    parts: Indices,
+    painted: Array | None = None,
+    cage: int | None = None,
+) -> Cutout:
     """A cutout of n x 2 rest positions; clockwise triangles are turned (for the solve only).
 
     `painted` (n,) are the vertices' weights of stiffness, 0 to 1, None where nothing is painted.
     """
     stiffness = None if painted is None else stiffness_of(painted, triangles)
-    return Cutout(rest, oriented(rest, triangles), parts, diagonal_of(rest), stiffness)
+    return Cutout(rest, oriented(rest, triangles), parts, diagonal_of(rest), stiffness, cage)
 
 
 def stiffness_of(painted: Array, triangles: Indices) -> Array:

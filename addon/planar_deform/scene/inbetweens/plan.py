@@ -56,6 +56,9 @@ class Plan:
     places: PinPlaces | None  # of a lattice's pins
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
+    cage: int | None = (
+        None  # about how many vertices a coarse mesh has that is solved in place of the drawing
+    )
     # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
     # shapes stay, and what there was.
     entries: list[Entry] = field(default_factory=list)
@@ -94,6 +97,7 @@ class Plan:
             anchor_path="arc" if self.path == "ARC" else "straight",
             joints=joined,
             smooth=self.smooth,
+            **({} if self.cage is None else {"cage": self.cage}),
             progress=progress,
         )
         if self.places is None:

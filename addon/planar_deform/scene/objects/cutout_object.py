@@ -155,7 +155,7 @@ class CutoutObject(FlatObject):
         positions = self._rest_positions(rest, known, shown)
         self.stiffness_stamp = stiffness.stamp(reading.painted)
         painted = None if reading.painted is None else reading.painted[self.vertex_indices]
-        self.cutout = make_cutout(positions, triangles, parts, painted)
+        self.cutout = make_cutout(positions, triangles, parts, painted, reading.cage)
 
     def carried(self, obj: bpy.types.Object) -> CutoutObject:
         """The same cutout where its object, whose mesh is what it was, is by now. Raises Refusal."""
@@ -341,12 +341,13 @@ class CutoutObject(FlatObject):
         return _FlatRest(stored, world, frame, flat, triangles, signed_areas(flat, triangles))
 
     def _has_cutout_of(self, before: CutoutObject) -> bool:
-        """Whether that has the same rest, faces and stiffness, to the bit."""
+        """Whether that has the same rest, faces and stiffness, to the bit, and is solved alike."""
         return (
             self._rest.stored is not None
             and self._rest is before._rest
             and self._turned_over == before._turned_over
             and self.reading.painted is before.reading.painted
+            and self.reading.cage == before.reading.cage
         )
 
     def _shows_as(self, before: CutoutObject) -> bool:

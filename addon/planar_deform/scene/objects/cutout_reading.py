@@ -11,6 +11,7 @@ import numpy as np
 
 from ...model.plane.frame import Array, Array32, Indices
 from ...model.plane.rest import coincident_edges, copied_parts
+from ..storage.cage import cage_of
 from . import rest_shape, stiffness, triangulation
 from .pose_store import PoseStore, store_of
 from .triangulation import Faces
@@ -52,6 +53,7 @@ class CutoutReading:
     owners: Indices | None  # of each vertex's stored rest (count,)
     rest: RestOnFaces  # that one or, where there is none, the shape that would be posed
     painted: Array | None  # the stiffness painted on each vertex (count,)
+    cage: int | None  # see storage/cage.py
 
 
 def read(
@@ -73,4 +75,4 @@ def read(
             rest = before.rest
         if painted is not None and before.painted is not None and np.array_equal(painted, before.painted):
             painted = before.painted
-    return CutoutReading(store, shown, stored, owners, rest, painted)
+    return CutoutReading(store, shown, stored, owners, rest, painted, cage_of(obj))

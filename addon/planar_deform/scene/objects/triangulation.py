@@ -10,6 +10,7 @@ import bmesh
 import bpy
 import numpy as np
 
+from ...model.plane import quads
 from ...model.plane.cutout import connected_parts
 from ...model.plane.frame import Array32, Indices
 from ..storage.topology import corner_vertices
@@ -58,7 +59,7 @@ def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
         or not _equal(kept.starts, starts)
         or not _equal(kept.rest, lying)
     ):
-        triangles = corners.reshape(-1, 3) if lying is None else _cut(mesh, lying)
+        triangles = corners.reshape(-1, 3) if starts is None else _cut(mesh, corners, starts, rest)
         kept = _Kept(count, corners, starts, lying, _faces(triangles, count))
     _kept[mesh.session_uid] = kept
     if len(_kept) > CAPACITY:
@@ -84,7 +85,21 @@ def _faces(triangles: Indices, count: int) -> Faces:
     return Faces(vertices, compact, connected_parts(len(vertices), compact))
 
 
-def _cut(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
+def _cut(mesh: bpy.types.Mesh, corners: Indices, starts: Indices, rest: Array32) -> Indices:
+    """Triangles of faces with these corners, face by face."""
+    sizes = np.diff(starts, append=len(corners))
+    if sizes.max() > 4:
+        return _cut_ngons(mesh, rest)
+    behind = np.cumsum(sizes - 2)
+    whole = sizes == 3
+    triangles = np.empty((behind[-1], 3), np.int32)
+    triangles[behind[whole] - 1] = corners[starts[whole, None] + np.arange(3)]
+    halves = quads.cut(corners[starts[~whole, None] + np.arange(4)], rest)
+    triangles[behind[~whole] - 2], triangles[behind[~whole] - 1] = halves[:, 0], halves[:, 1]
+    return triangles
+
+
+def _cut_ngons(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
     copy = bmesh.new()
     try:
         copy.from_mesh(mesh, face_normals=False, vertex_normals=False)
