@@ -69,10 +69,13 @@ def assert_same(seen, other):
 
 def assert_as_read_anew(obj):
     """What is shown is what a new reading shows."""
+    from planar_deform.scene.objects import cutout_object, triangulation
+    from planar_deform.scene.storage import vertex_groups
     from planar_deform.scene.view import snapshot
 
     seen = seen_of(obj)
-    snapshot.forget()
+    for module in (snapshot, cutout_object, triangulation, vertex_groups):
+        module.forget()
     assert_same(seen, seen_of(obj))
 
 

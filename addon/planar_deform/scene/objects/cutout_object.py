@@ -27,6 +27,7 @@ from .pose_store import OwnStore
 
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
+MOST_SIDES = 10_000  # triangles that tell, spread over a dense drawing, whether it has been turned over
 CAPACITY = 8  # objects; what is kept of one of 100k vertices takes some 30 MB
 
 
@@ -105,7 +106,7 @@ class _FlatRest:
     world: Array  # n x 3 in world-linear space
     frame: PlaneFrame
     flat: Array  # n x 2
-    triangles: Indices  # those whose corners are all known
+    sides: Indices  # triangles whose corners are all known, MOST_SIDES of them at most
     areas: Array  # of these
 
 
@@ -146,7 +147,7 @@ class CutoutObject(FlatObject):
         if before is not None and stays and self._rest is before._rest:
             self._turned_over = before._turned_over
         else:
-            shown_sides = np.sign(signed_areas(self.positions, self._rest.triangles))
+            shown_sides = np.sign(signed_areas(self.positions, self._rest.sides))
             self._turned_over = bool((self._rest.areas * shown_sides).sum() < 0.0)
         if before is not None and self._has_cutout_of(before):
             self.cutout, self.stiffness_stamp = before.cutout, before.stiffness_stamp
@@ -338,7 +339,8 @@ class CutoutObject(FlatObject):
         flat = frame.flatten(world)
         if not known.all():
             triangles = triangles[known[triangles].all(axis=1)]
-        return _FlatRest(stored, world, frame, flat, triangles, signed_areas(flat, triangles))
+        sides = triangles[:: 1 + len(triangles) // MOST_SIDES]
+        return _FlatRest(stored, world, frame, flat, sides, signed_areas(flat, sides))
 
     def _has_cutout_of(self, before: CutoutObject) -> bool:
         """Whether that has the same rest, faces and stiffness, to the bit, and is solved alike."""

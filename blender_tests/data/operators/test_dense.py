@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dense drawings: what is read and made at a press, a move and a release, and what is solved coarsely."""
+
+from collections import Counter
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from support import TRANSFORMS, activate, add_pins, coordinates, grid, make_object
+
+SIDE = 91  # vertices a side, 8281: more than are solved themselves
+
+
+def sheet(side=9, *, name="Sheet"):
+    """As importers leave it, turned and scaled; of quads, with pins in its corners, the last one selected."""
+    vertices, faces = grid(side - 1, side - 1, 4.0, 4.0)
+    obj = make_object(vertices, faces.tolist(), name=name)
+    obj.matrix_world = Matrix.Translation((0.3, -1.0, 2.0)) @ TRANSFORMS["rotated"]
+    add_pins(obj, [0], [side - 1], [side * (side - 1)], [side * side - 1])
+    activate(obj)
+    return obj
+
+
+def shape(obj):
+    return coordinates(obj.data.vertices)
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """How often what takes long on a dense mesh has been done."""
+    from planar_deform import native
+    from planar_deform.model.posing import pins
+    from planar_deform.scene.objects import cutout_object, triangulation
+    from planar_deform.scene.storage import digests, vertex_groups
+
+    counts = Counter()
+
+    def count(module, name):
+        original = getattr(module, name)
+
+        def counted(*of, **more):
+            counts[name] += 1
+            return original(*of, **more)
+
+        monkeypatch.setattr(module, name, counted)
+
+    count(vertex_groups, "_read")
+    count(cutout_object, "read")
+    count(cutout_object, "_flat_frame")
+    count(cutout_object, "make_cutout")
+    count(triangulation, "_faces")
+    count(digests, "digest")
+    count(pins, "nearest_point")
+    count(native, "distortion")
+    return counts
+
+
+def begun():
+    from planar_deform.operators.modal.object_posing import ObjectPosing
+
+    return ObjectPosing(bpy.context, 3)
+
+
+def shown():
+    from planar_deform.scene.view import snapshot
+
+    return snapshot.of_active(bpy.context)
+
+
+def released(posing, solved):
+    """What a session does when the drawing has settled, and Blender after it."""
+    from planar_deform.scene.view import snapshot
+
+    posing.show(solved)
+    snapshot.release()
+    posing.finish(solved)
+    bpy.context.view_layer.update()
+
+
+def test_what_is_drawn_is_read_once_for_the_press_too(made):
+    sheet()
+    bpy.context.view_layer.update()
+    shown()
+    assert made.pop("_read") == 1, "the weights of all groups in one pass"
+    made.clear()
+    posing = begun()
+    assert posing.model is not None
+    assert made == {"read": 1, "distortion": 1}, "of a mesh that is as it was drawn nothing is made anew"
+
+
+def test_a_move_reads_nothing_and_a_release_reads_once(made):
+    sheet()
+    bpy.context.view_layer.update()
+    shown()
+    posing = begun()
+    posing.model.move(0.1, 0.2, 0.0)
+    made.clear()
+    for step in range(3):
+        posing.model.move(0.1, 0.2 + 0.1 * step, 0.0)
+        posing.show(posing.model.solved())
+        bpy.context.view_layer.update()
+        shown()
+    assert made == {}, "moves only write"
+    released(posing, posing.model.solved())
+    shown()
+    assert made == {"_read": 1, "read": 1, "_flat_frame": 1}, "the shape is another one, the rest is not"
+    made.clear()
+    posing = begun()
+    assert made == {"read": 1}, "a later press finds what was drawn, and asks for no distortion"
+    posing.click()
+
+
+def test_what_is_kept_never_outlives_what_it_is_of():
+    """Each reading is the one that a file just loaded gives, whatever was done before it."""
+    from planar_deform.scene.objects import cutout_object, triangulation
+    from planar_deform.scene.objects.cutout_object import read_cutout
+    from planar_deform.scene.pins import pin_list
+    from planar_deform.scene.storage import vertex_groups
+
+    obj = sheet()
+
+    def read():
+        bpy.context.view_layer.update()
+        drawing = read_cutout(obj)
+        pins = pin_list.model_pins(obj, drawing)
+        return drawing, pins
+
+    def same(one, other):
+        (drawing, pins), (anew, pins_anew) = one, other
+        for name in ("rest", "triangles", "parts", "stiffness"):
+            assert np.array_equal(getattr(drawing.cutout, name), getattr(anew.cutout, name)), name
+        assert drawing.cutout.cage == anew.cutout.cage
+        assert np.array_equal(drawing.positions, anew.positions)
+        assert np.array_equal(drawing.distortion.triangle_area, anew.distortion.triangle_area)
+        assert [pin.vertices.tolist() for pin in pins] == [pin.vertices.tolist() for pin in pins_anew]
+        assert [pin.weights.tolist() for pin in pins] == [pin.weights.tolist() for pin in pins_anew]
+
+    def painted():
+        group = obj.vertex_groups.new(name="Stiff")
+        group.add([40, 41], 1.0, "REPLACE")
+        obj.planar.stiffness_group = "Stiff"
+
+    def renamed():
+        first, last = obj.vertex_groups[0], obj.vertex_groups[1]
+        names = first.name, last.name
+        obj.vertex_groups.remove(first)
+        last.name = names[0]
+
+    def edited():
+        obj.data.vertices[40].co.y += 0.125
+        obj.data.update()
+
+    def turned():
+        obj.rotation_euler.z += 0.5
+
+    def mirrored():
+        obj.scale.x = -1.0
+
+    def denser():
+        import bmesh
+
+        mesh = bmesh.new()
+        mesh.from_mesh(obj.data)
+        bmesh.ops.subdivide_edges(mesh, edges=mesh.edges[:], cuts=1, use_grid_fill=True)
+        mesh.to_mesh(obj.data)
+        mesh.free()
+
+    def weighted():
+        obj.vertex_groups[1].add([12], 0.5, "REPLACE")
+
+    def posed():
+        assert bpy.ops.planar.drag_pins(offset=(0.3, 0.2)) == {"FINISHED"}
+
+    def other_rest():
+        assert bpy.ops.planar.set_rest_to_current() == {"FINISHED"}
+
+    read()
+    for change in (posed, edited, painted, weighted, renamed, turned, mirrored, posed, other_rest, denser):
+        change()
+        kept = read()
+        for module in (cutout_object, triangulation, vertex_groups):
+            module.forget()
+        same(kept, read())
+
+
+def test_weights_of_a_hidden_object_are_never_taken_for_what_they_were():
+    """Blender tells nothing of what is done to it."""
+    from planar_deform.scene.storage.vertex_groups import members
+
+    obj = sheet()
+    name = obj.vertex_groups[0].name
+    obj.hide_set(True)
+    bpy.context.view_layer.update()
+    assert members(obj, [name])[name][0].tolist() == [0]
+    obj.vertex_groups[0].add([5], 0.5, "REPLACE")
+    bpy.context.view_layer.update()
+    assert members(obj, [name])[name][0].tolist() == [0, 5]
+
+
+@pytest.mark.parametrize("group", [[40], [40, 41], [40, 41, 50], range(30, 60), [0, 80]])
+def test_a_pins_place_is_the_middle_of_its_group(group):
+    from planar_deform.model.posing.pins import Holder
+    from planar_deform.scene.objects.cutout_object import begin
+    from planar_deform.scene.pins import pin_list
+
+    obj = sheet()
+    add_pins(obj, group)
+    drawing = begin(bpy.context)
+    pin = pin_list.model_pins(obj, drawing)[-1]
+    place = Holder(pin, drawing.cutout).place(drawing.cutout.rest)
+    assert place == pytest.approx(drawing.cutout.rest[list(group)].mean(axis=0), abs=1e-6)
