@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from .frame import Array, Indices
+from .locate import MeshPoint
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,16 @@ class Cutout:
     stiffness: Array | None = None  # m factors, None: all 1
     cage: int | None = None  # about how many vertices a coarse mesh has that is solved in its place
     flat: bool = True  # nothing is turned out of the plane, so that turns count from rest
+    # Points of it that have been looked for, by what they are the middle of, see posing/pins.py.
+    found: dict[bytes, MeshPoint] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def first_corners(self) -> Indices:
+        """Of each vertex, its first corner among all of the triangles, of which every vertex has one."""
+        corners = np.zeros(len(self.rest), np.int32)
+        flat = self.triangles.ravel()
+        corners[flat[::-1]] = np.arange(flat.size - 1, -1, -1, dtype=np.int32)
+        return corners
 
 
 # A fully painted triangle resists this many times as much as a neutral one, an erased one as many times less.
@@ -87,16 +99,15 @@ def connected_parts(count: int, cells: Indices) -> Indices:
     trees, which takes O(log n) rounds of whole-array operations in practice.
     """
     root = np.arange(count, dtype=np.int32)
-    edges = np.concatenate([cells[:, [i, i + 1]] for i in range(cells.shape[1] - 1)])
+    starts, ends = cells[:, :-1].T.ravel(), cells[:, 1:].T.ravel()
     while True:
-        ends = root[edges]
-        between = ends[:, 0] != ends[:, 1]
-        if not between.any():
+        one, other = root[starts], root[ends]
+        between = np.flatnonzero(one != other)
+        if not len(between):
             break
-        edges, ends = edges[between], ends[between]
-        np.minimum.at(root, ends.max(axis=1), ends.min(axis=1))
+        one, other, starts, ends = one[between], other[between], starts[between], ends[between]
+        np.minimum.at(root, np.maximum(one, other), np.minimum(one, other))
         while not np.array_equal(root[root], root):
             root = root[root]
-    first = root == np.arange(count)
-    parts: Indices = (np.cumsum(first, dtype=np.int32) - 1)[root]
+    parts: Indices = (np.cumsum(root == np.arange(count), dtype=np.int32) - 1)[root]
     return parts
