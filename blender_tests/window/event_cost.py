@@ -6,8 +6,8 @@ settle, then presses it once more. "event" is the time in ms from a mouse event'
 to the mesh, median and 99th percentile of those that are shown; the others are overtaken. "solve" is the part
 of it that the solver takes, median; what one bare factorization takes is in the first table of `make bench`.
 "shapes" are shown per second, "frames" are pictures of the view drawn per second meanwhile, and "idle" the
-same without a drag: what this machine can draw at all, without a graphics card. "first", "drag", "release" and
-"press" are the longest times in ms for which one event kept Blender waiting for the extension, or its handler
+same without a drag: what this machine can draw at all, without a graphics card. "first", "drag", "release",
+"press" are the longest times in ms for which one event kept Blender waiting for the extension, its handler
 or what it draws did: at the first press, during the drag, from the release until the drawing has settled,
 which takes "settled" ms in all, and at the second press. Sheets above 8000 vertices are solved by a cage.
 """

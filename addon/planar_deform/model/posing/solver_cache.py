@@ -54,9 +54,7 @@ def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array)
     poser = kept(
         key,
         (method, triangles, rest, stiffness, cage),
-        lambda: native.Poser(
-            rest, triangles, method=method, stiffness=stiffness, **({} if cage is None else {"cage": cage})
-        ),
+        lambda: native.Poser(rest, triangles, method=method, stiffness=stiffness, cage=cage),
     )
     poser.reset(positions)
     return poser

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from typing import Protocol
 
 import bpy
@@ -75,12 +75,23 @@ class Keyable(Protocol):
         """The shape of the object at rest."""
 
 
-def key_poses(drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
-    """Key poses: positions of the drawing by frame, as pose_edit.put_coordinates() does it.
+def key_poses(drawing: Keyable, shapes: Mapping[float, Array]) -> None:
+    """Do all of keying()."""
+    playback.run(keying(drawing, shapes))
 
-    `drawing` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
+
+def keying(
+    drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False
+) -> Generator[float, None, None]:
+    """Key poses: positions of the drawing by frame, as pose_edit.put_coordinates() does it, step by step.
+
+    `drawing` is used up by this. Yields the share done; closed before its end, everything is as it was.
+    Raises Refusal and ObjectGone, with nothing changed.
     """
-    obj = drawing.resolve()
-    coordinates = {frame: drawing.coordinates(positions) for frame, positions in shapes.items()}
-    steps = pose_edit.put_coordinates(obj, coordinates, drawing.rest_coordinates(), throughout=throughout)
-    playback.run(steps)
+    obj, coordinates = drawing.resolve(), {}
+    for done, (frame, positions) in enumerate(shapes.items(), 1):
+        coordinates[frame] = drawing.coordinates(positions)
+        yield 0.5 * done / len(shapes)
+    rest = drawing.rest_coordinates()
+    for share in pose_edit.put_coordinates(obj, coordinates, rest, throughout=throughout):
+        yield 0.5 + 0.5 * share
