@@ -35,7 +35,7 @@ struct SharedPoser {
 using PoserRef = std::shared_ptr<SharedPoser>;
 
 PoserRef make_poser(py::handle rest, py::handle triangles, const std::string& method,
-                    std::optional<double> pin_weight, py::handle stiffness) {
+                    std::optional<double> pin_weight, py::handle stiffness, std::optional<int> cage) {
   Points x = to_points("rest", rest);
   Triangles t = to_triangles(triangles);
   PoserOptions options;
@@ -44,6 +44,7 @@ PoserRef make_poser(py::handle rest, py::handle triangles, const std::string& me
       {{"hold", PoserMethod::hold}, {"akvf", PoserMethod::akvf}, {"arap", PoserMethod::arap}});
   options.pin_weight = pin_weight;
   options.stiffness = to_numbers("stiffness", stiffness, t.rows());
+  options.cage = cage;
   const Eigen::Index n_vertices = x.rows();
   const py::gil_scoped_release unlocked;
   Poser poser(std::move(x), t, options);
@@ -105,7 +106,7 @@ void bind_poser(py::module_& m) {
   report_class.attr("__module__") = "planar_native";
 
   auto poser_class = py::class_<SharedPoser, PoserRef>(
-      m, "Poser", R"(Poser(rest, triangles, *, method="hold", pin_weight=None, stiffness=None)
+      m, "Poser", R"(Poser(rest, triangles, *, method="hold", pin_weight=None, stiffness=None, cage=None)
 
 Poses a mesh by moving handles. The object keeps the posed shape from one move to the next.
 
@@ -119,6 +120,9 @@ cotangent weights: a move gives its whole result, which depends on the handles a
 with a rotation a triangle; triangles may turn over. pin_weight has no unit (None: 1000);
 with akvf it is the lambda squared of [AKVF 7]. stiffness is a positive factor per triangle, m.
 
+cage, 12 at least, is about how many vertices a coarse mesh has that is solved on in place of a larger one, which is carried
+along; handles, positions and report are those of the mesh itself. None solves on the mesh.
+
     poser = Poser(rest, triangles)
     poser.set_handles([0, 12])
     for targets in path:
@@ -130,7 +134,8 @@ Raises ValueError (shape, dtype, not finite, index out of range, unknown method)
   poser_class.attr("__module__") = "planar_native";
   poser_class
       .def(py::init(&make_poser), py::arg("rest"), py::arg("triangles"), py::kw_only(),
-           py::arg("method") = "hold", py::arg("pin_weight") = py::none(), py::arg("stiffness") = py::none())
+           py::arg("method") = "hold", py::arg("pin_weight") = py::none(), py::arg("stiffness") = py::none(),
+           py::arg("cage") = py::none())
       .def("set_handles", &py_set_handles, py::arg("handles"), py::kw_only(), py::arg("weights") = py::none(),
            py::arg("groups") = py::none(), R"(set_handles(handles, *, weights=None, groups=None)
 

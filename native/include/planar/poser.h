@@ -20,6 +20,10 @@ struct PoserOptions {
   std::optional<double> pin_weight{};  ///< μ (hold), λ² (akvf) or w (arap) of a pin, dimensionless, above 0;
                                        ///< by default the method's own
   Eigen::VectorXd stiffness{};  ///< m factors above 0 on the triangles' energy, or empty: all 1
+
+  /// About so many vertices, 12 at least, of a coarse mesh to solve on in place of a larger one; empty: solve on
+  /// the mesh itself.
+  std::optional<int> cage{};
 };
 
 /// What the last move(), refine() or settle() did.

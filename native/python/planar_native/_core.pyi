@@ -72,6 +72,7 @@ class Poser:
         method: Literal["hold", "akvf", "arap"] = "hold",
         pin_weight: float | None = None,
         stiffness: ArrayLike | None = None,
+        cage: int | None = None,
     ) -> None: ...
     def set_handles(
         self, handles: _Handles, *, weights: ArrayLike | None = None, groups: ArrayLike | None = None

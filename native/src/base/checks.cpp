@@ -5,6 +5,14 @@
 
 namespace planar {
 
+void require_cage(const std::optional<int>& cage) {
+  constexpr int fewest = 12;
+  if (cage && *cage < fewest) {
+    throw std::invalid_argument("cage: " + std::to_string(*cage) + " vertices, expected " +
+                                std::to_string(fewest) + " at least");
+  }
+}
+
 std::string row_of(const char* name, Eigen::Index row) {
   return std::string(name) + ", row " + std::to_string(row) + ": ";
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "planar/types.h"
@@ -34,6 +35,9 @@ void require_triangles(Eigen::Index n_vertices, const Triangles& triangles);
 
 /// Empty, or a number above 0 for every triangle.
 void require_stiffness(const Eigen::VectorXd& stiffness, const Triangles& triangles);
+
+/// Empty, or vertices enough for a shape.
+void require_cage(const std::optional<int>& cage);
 
 std::string row_of(const char* name, Eigen::Index row);
 

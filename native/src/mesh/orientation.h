@@ -21,6 +21,7 @@ class Orientation {
   /// are `flat` are judged.
   Orientation(const Triangles& triangles, Flags flat);
 
+  const Triangles& triangles() const { return triangles_; }
   const Flags& flat() const { return flat_; }
 
   /// Twice the area of each triangle at x, positive if it lies as at rest, exactly 1 if it is not judged.

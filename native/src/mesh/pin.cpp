@@ -15,14 +15,15 @@ namespace {
 
 constexpr double same_weights = 1e-9;  // barycentric weights of one and the same point, or none
 
-/// The point of one handle.
-Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
+}  // namespace
+
+Pin point_of(const Handles& handles, int row, int n_vertices, const std::function<bool(int, int)>& joined) {
   Pin pin{};
   pin.rows = {row};
   std::array<std::pair<int, double>, 3> corner;
   for (int c = 0; c < 3; ++c) {
     const int v = handles.vertices(row, c);
-    require_index("handles", row, "vertex", v, mesh.n_vertices);
+    require_index("handles", row, "vertex", v, n_vertices);
     corner[at(c)] = {v, handles.weights(row, c)};
   }
   if (!(std::abs(handles.weights.row(row).sum() - 1.0) <= same_weights)) {
@@ -36,16 +37,17 @@ Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
       continue;
     }
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
-      if (mesh.find_edge(pin.vertex[c], v) < 0) {
+      if (!joined(pin.vertex[c], v)) {
         throw std::invalid_argument(row_of("handles", row) + "its vertices are not those of one triangle");
       }
     }
     pin.vertex[pin.n_corners] = v;
     pin.weight[pin.n_corners++] = weight;
   }
-  pin.part = mesh.part[at(pin.vertex[0])];
   return pin;
 }
+
+namespace {
 
 bool same_point(const Pin& a, const Pin& b) {
   return a.n_corners == b.n_corners && a.vertex == b.vertex &&
@@ -61,7 +63,9 @@ std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen
   std::vector<Pin> points;
   points.reserve(at(handles.size()));
   for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
-    points.push_back(point_of(mesh, handles, row));
+    points.push_back(
+        point_of(handles, row, mesh.n_vertices, [&mesh](int a, int b) { return mesh.find_edge(a, b) >= 0; }));
+    points.back().part = mesh.part[at(points.back().vertex[0])];
     points.back().strength = weights[row];
     points.back().patch = !patch.empty() && patch[at(row)];
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "mesh/mesh.h"
@@ -24,6 +25,13 @@ struct Pin {
   Eigen::RowVector2d velocity;  ///< mean of its rows, relative to the rigid field of its part
   Eigen::RowVector2d force;     ///< with which it pulls in the solution of [AKVF 7]
 };
+
+/// The point of one handle: vertices, weights and row.
+///
+/// \param joined whether two vertices share a triangle
+///
+/// \throw std::invalid_argument it is not inside a triangle, edge or vertex of the mesh
+Pin point_of(const Handles& handles, int row, int n_vertices, const std::function<bool(int, int)>& joined);
 
 /// One pin for each point that has handles, the strongest of them giving its strength. Pins on isolated
 /// vertices, which no field moves, are left out.

@@ -11,6 +11,7 @@
 #include "mesh/triangle_shape.h"
 #include "posing/akvf_method.h"
 #include "posing/arap_method.h"
+#include "posing/cage_method.h"
 #include "posing/hold_method.h"
 #include "posing/posing_method.h"
 
@@ -36,13 +37,31 @@ Eigen::RowVector2d centre_of(const Points& rest) {
 
 Points moved(const Points& x, const Eigen::RowVector2d& way) { return x.rowwise() + way; }
 
+/// What a move keeps of a shape that no cage can have. Hold lets go of it, but not at once, which would be
+/// seen; akvf has nothing else to go by; arap never asks where the mesh was.
+double kept_beside_cage(PoserMethod method) {
+  if (method == PoserMethod::hold) return 0.5;
+  return method == PoserMethod::akvf ? 1.0 : 0.0;
+}
+
 std::unique_ptr<PosingMethod> make_method(const Points& rest, const Triangles& triangles,
-                                          const Orientation& orientation, const PoserOptions& options) {
-  if (options.method == PoserMethod::hold)
-    return std::make_unique<HoldMethod>(rest, triangles, orientation, options.stiffness);
-  if (options.method == PoserMethod::arap)
-    return std::make_unique<ArapMethod>(rest, triangles, options.stiffness, ArapWeights::cotangent);
-  return std::make_unique<AkvfMethod>(rest, triangles, orientation, options.stiffness);
+                                          const Eigen::RowVector2d& centre, const Orientation& orientation,
+                                          const PoserOptions& options) {
+  const auto make = [method = options.method](
+                        const Points& x, const Triangles& t, const Orientation& o,
+                        const Eigen::VectorXd& stiffness) -> std::unique_ptr<PosingMethod> {
+    if (method == PoserMethod::hold) return std::make_unique<HoldMethod>(x, t, o, stiffness);
+    if (method == PoserMethod::arap)
+      return std::make_unique<ArapMethod>(x, t, stiffness, ArapWeights::cotangent);
+    return std::make_unique<AkvfMethod>(x, t, o, stiffness);
+  };
+  if (options.cage) {
+    if (std::optional<Coarse> coarse = coarse_for_cage(rest, triangles, *options.cage)) {
+      return std::make_unique<CageMethod>(std::move(*coarse), rest, centre, orientation, options.stiffness,
+                                          kept_beside_cage(options.method), make);
+    }
+  }
+  return make(rest, triangles, orientation, options.stiffness);
 }
 
 }  // namespace
@@ -54,7 +73,7 @@ struct Poser::State {
         centre(centre_of(rest)),
         orientation(rest, triangles, flat_triangles(rest, triangles), centre),
         x(moved(rest, -centre)),
-        method(make_method(x, triangles, orientation, options)),
+        method(make_method(x, triangles, centre, orientation, options)),
         positions(rest) {}
 
   using Action = void (PosingMethod::*)(const Points& targets, Points& x, Report& report);
@@ -95,6 +114,7 @@ Poser::Poser(Points rest, const Triangles& triangles, const PoserOptions& option
   require_triangles(rest.rows(), triangles);
   if (options.pin_weight) require_positive("pin_weight", Eigen::VectorXd::Constant(1, *options.pin_weight));
   require_stiffness(options.stiffness, triangles);
+  require_cage(options.cage);
   state_ = std::make_unique<State>(std::move(rest), triangles, options);
 }
 

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "cage/cage.h"
+#include "mesh/orientation.h"
+#include "mesh/pin.h"
+#include "posing/posing_method.h"
+
+namespace planar {
+
+/// Another method on a cage round the mesh: the handles are those of the mesh, which is carried along by its
+/// vertices' places in the cage. The cage is refined near the handles.
+///
+/// The positions that it starts from are the cage's nearest ones and what these leave. Of that, turned with
+/// the triangles of the cage, the mesh keeps a share with each move. Parts that the method does not move stay
+/// as they are.
+class CageMethod final : public PosingMethod {
+ public:
+  /// What to solve on the cage with: its rest, triangles, orientation (to outlive the method) and stiffness.
+  using Make = std::function<std::unique_ptr<PosingMethod>(const Points&, const Triangles&,
+                                                           const Orientation&, const Eigen::VectorXd&)>;
+
+  /// \param rest n×2
+  /// \param centre what the positions given to the functions below are relative to
+  /// \param orientation of the dense mesh, to outlive the object
+  /// \param stiffness m factors, or empty
+  /// \param kept of what the fit leaves, by a move or refine(); unless 1, settle() keeps nothing
+  CageMethod(Coarse coarse, const Points& rest, const Eigen::RowVector2d& centre,
+             const Orientation& orientation, const Eigen::VectorXd& stiffness, double kept, Make make);
+
+  void set_handles(const HandleSet& handles) override;
+  void move(const Points& targets, Points& x, Report& report) override;
+  void refine(const Points& targets, Points& x, Report& report) override;
+  void settle(const Points& targets, Points& x, Report& report) override;
+  void reset() noexcept override { unseen_ = true; }
+
+ private:
+  using Action = void (PosingMethod::*)(const Points& targets, Points& x, Report& report);
+  using Turns = std::vector<std::complex<double>>;
+
+  /// A cage and what is made for it.
+  struct Solved {
+    Cage cage;
+    Mesh mesh;
+    Orientation orientation;
+    CageFit fit;
+    std::unique_ptr<PosingMethod> method;
+    std::vector<int> near;  ///< dense vertices where it is refined, ascending
+
+    Solved(Cage cage, const CageMethod& owner, std::vector<int> near);
+  };
+
+  Handles caged(const Handles& handles, const Solved& on) const;
+  Place place_of(const Pin& point, const Cage& cage) const;
+  void act(Action action, int rounds, double kept, const Points& targets, Points& x, Report& report);
+  void take(const Points& x);
+  std::vector<double> left_after(double kept) const;
+  Turns turns_at(const Points& x, const std::vector<double>& left) const;
+  Eigen::RowVector2d beside(Eigen::Index v, const Turns& turns) const;
+  Points offsets(const std::vector<double>& left) const;
+  void carry(const std::vector<char>& parts, Points& x) const;
+
+  Coarse coarse_;
+  Points rest_;
+  Eigen::RowVector2d centre_;
+  const Orientation& orientation_;
+  Eigen::VectorXd stiffness_;
+  double size_;
+  double kept_;
+  Make make_;
+  std::unique_ptr<Solved> on_;  ///< none before there are handles
+
+  Points x_;                   ///< of the cage
+  bool unseen_ = true;         ///< the mesh's positions come from elsewhere
+  Points beside_;              ///< n: what the fit left of them, or 0×2 if that is nothing
+  double largest_left_ = 0.0;  ///< length of one of these
+  Points fitted_;              ///< the cage's positions then
+  std::vector<double> left_;   ///< how much of it is left, by part
+
+  Handles handles_, cage_handles_;
+  std::vector<char> held_;  ///< by part of the cage: it has handles
+};
+
+}  // namespace planar
