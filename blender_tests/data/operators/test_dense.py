@@ -6,7 +6,7 @@ from collections import Counter
 import bpy
 import numpy as np
 import pytest
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 from support import TRANSFORMS, activate, add_pins, coordinates, grid, make_object
 
 SIDE = 91  # vertices a side, 8281: more than are solved themselves
@@ -210,3 +210,123 @@ def test_a_pins_place_is_the_middle_of_its_group(group):
     pin = pin_list.model_pins(obj, drawing)[-1]
     place = Holder(pin, drawing.cutout).place(drawing.cutout.rest)
     assert place == pytest.approx(drawing.cutout.rest[list(group)].mean(axis=0), abs=1e-6)
+
+
+# ---- solved by a cage
+
+
+@pytest.fixture
+def dense():
+    return sheet(SIDE)
+
+
+def last_place(obj):
+    """Where the last pin's vertex is in the world."""
+    return np.array(obj.matrix_world @ obj.data.vertices[SIDE * SIDE - 1].co)
+
+
+def size_of(obj):
+    corners = np.array([obj.matrix_world @ obj.data.vertices[row].co for row in (0, SIDE * SIDE - 1)])
+    return np.linalg.norm(corners[1] - corners[0])
+
+
+def test_a_dense_drawing_is_solved_by_a_cage_and_says_so(dense):
+    from planar_deform.scene.objects.cutout_object import begin
+    from planar_deform.scene.storage.cage import VERTICES, cage_of
+
+    assert begin(bpy.context).cutout.cage == cage_of(dense) == VERTICES
+    dense.planar.coarse_above = SIDE * SIDE
+    assert cage_of(dense) is None
+    assert begin(bpy.context).cutout.cage is None
+    small = sheet(name="Small")
+    assert cage_of(small) is None
+    lattice = bpy.data.objects.new("Lattice", bpy.data.lattices.new("Lattice"))
+    assert cage_of(lattice) is None
+
+
+def test_the_cage_poses_as_the_drawing_itself(dense):
+    rest = shape(dense)
+    assert bpy.ops.planar.drag_pins(offset=(-0.6, 0.5)) == {"FINISHED"}
+    caged = shape(dense)
+    assert dense.planar.solved_stiffness == "neutral"
+    bpy.ops.planar.reset_to_rest()
+    assert np.array_equal(shape(dense), rest)
+    dense.planar.coarse_above = 20_000
+    assert bpy.ops.planar.drag_pins(offset=(-0.6, 0.5)) == {"FINISHED"}
+    whole = shape(dense)
+    diagonal = np.linalg.norm(np.ptp(rest, axis=0))
+    assert not np.array_equal(caged, whole)
+    assert np.linalg.norm(caged - whole, axis=1).max() < 5e-3 * diagonal
+    assert np.linalg.norm(whole - rest, axis=1).mean() > 2e-2 * diagonal
+
+
+def test_a_script_a_thread_and_a_new_solver_give_the_same_bits(dense):
+    from planar_deform.model.posing import solver_cache
+    from planar_deform.model.posing.solving import Solving
+
+    rest = shape(dense)
+    path = [(0.05 * step, 0.1 * step, 0.02 * step) for step in range(1, 7)]
+    posing = begun()
+    posing.solve(path)
+    by_script = posing.model.positions
+    posing.click()
+    for clear in (False, True):
+        if clear:
+            solver_cache.clear()
+        posing = begun()
+        solving = Solving(posing.model)
+        solving.retrace(path)
+        assert solving.wait(60.0)
+        solved = solving.newest()
+        solving.end()
+        assert len(solved.path) == len(path)
+        assert np.array_equal(solved.positions, by_script)
+        posing.show(solved)
+        assert not np.array_equal(shape(dense), rest)
+        posing.cancel()
+        assert np.array_equal(shape(dense), rest)
+
+
+def test_undo_brings_back_every_bit(dense):
+    bpy.ops.ed.undo_push(message="Before")
+    shapes = [shape(dense)]
+    for offset in ((0.2, 0.3), (-0.4, 0.1)):
+        assert bpy.ops.planar.drag_pins(offset=offset) == {"FINISHED"}
+        bpy.ops.ed.undo_push(message="Drag")
+        shapes.append(shape(bpy.context.object))
+    for step in (1, 0):
+        bpy.ops.ed.undo()
+        assert np.array_equal(shape(bpy.context.object), shapes[step])
+    for step in (1, 2):
+        bpy.ops.ed.redo()
+        assert np.array_equal(shape(bpy.context.object), shapes[step])
+
+
+def test_keys_targets_and_records_go_through_the_cage(dense, monkeypatch):
+    from planar_deform.model.posing import solver_cache
+    from planar_deform.operators.drag import pack_path
+    from planar_deform.scene.storage.cage import VERTICES
+
+    asked, make = [], solver_cache.native.Poser
+
+    def counted(*of, cage, **more):
+        asked.append(cage)
+        return make(*of, cage=cage, **more)
+
+    monkeypatch.setattr(solver_cache.native, "Poser", counted)
+    target = bpy.data.objects.new("Target", None)
+    target.location = last_place(dense) + np.array([0.0, 0.2 * size_of(dense), 0.0])
+    bpy.context.scene.collection.objects.link(target)
+    dense.planar.pins[3].follow = target
+    assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
+    pin = dense.matrix_world @ Vector(dense.planar.pins[3].reached)
+    assert np.array(pin) == pytest.approx(last_place(dense), abs=1e-3 * size_of(dense))
+    bpy.context.scene.frame_set(1)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    before = dense.data.shape_keys.eval_time
+    path = pack_path([(0.02 * frame, 0.01 * frame, 0.0) for frame in range(9)])
+    dense.planar.pins[3].follow = None
+    assert bpy.ops.planar.record_pins(path=path, frame=13, frame_step=4) == {"FINISHED"}
+    assert [pose.frame for pose in dense.planar.poses] == [1, 13, 17, 21]
+    assert dense.data.shape_keys.eval_time != before
+    assert asked == [VERTICES], "one cage for all"

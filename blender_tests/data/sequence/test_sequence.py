@@ -264,7 +264,7 @@ def test_poses_put_throughout_replace_what_is_keyed_between_them():
         assert same(shown_at(obj, frame), shape)
     # and where that is all there was
     drawing = begin(bpy.context)
-    key_poses(drawing, {0: drawing.positions, 50: drawing.positions + 0.1}, throughout=True)
+    playback.run(keying(drawing, {0: drawing.positions, 50: drawing.positions + 0.1}, throughout=True))
     assert frames(obj) == [[0], [50]]
     assert same(shown_at(obj, 0), shapes[40])
 
