@@ -38,8 +38,8 @@ class Watch:
         self.shown = 0
         self._asked: dict[tuple[float, ...], float] = {}
         self._undo: list[tuple[object, str, Callable]] = []
-        self._wrap(addon("operators.drag").PinTransform, "invoke", self._timed)
-        self._wrap(addon("operators.modal.session").Interactive, "modal", self._timed)
+        self._wrap(addon("operators.drag").PinTransform, "invoke", self._handling)
+        self._wrap(addon("operators.modal.session").Interactive, "modal", self._handling)
         self._wrap(addon("scene.follow"), "match", self._timed)
         self._wrap(addon("scene.view.snapshot"), "of_active", self._timed)
         self._wrap(addon("model.posing.posing").Posing, "move", self._solving)
@@ -52,20 +52,18 @@ class Watch:
         setattr(owner, name, wrapper(original))
 
     def _timed(self, original: Callable) -> Callable:
-        return self._lasting(original, self.waits)
+        return _lasting(original, self.waits)
+
+    def _handling(self, original: Callable) -> Callable:
+        timed = self._timed(original)
+
+        def handling(operator, context, event):  # Blender counts what it takes
+            return timed(operator, context, event)
+
+        return handling
 
     def _solving(self, original: Callable) -> Callable:
-        return self._lasting(original, self.solves)
-
-    @staticmethod
-    def _lasting(original: Callable, lasted: list[float]) -> Callable:
-        def timed(*of):
-            start = time.perf_counter()
-            result = original(*of)
-            lasted.append(1e3 * (time.perf_counter() - start))
-            return result
-
-        return timed
+        return _lasting(original, self.solves)
 
     def _asking(self, original: Callable) -> Callable:
         def asking(solving, sample):
@@ -86,13 +84,25 @@ class Watch:
 
     def longest_wait(self) -> float:
         """Since it was last asked for."""
-        longest = max(self.waits)
+        longest = max(self.waits, default=0.0)
         self.waits.clear()
         return longest
 
     def stop(self) -> None:
         for owner, name, original in self._undo:
             setattr(owner, name, original)
+
+
+def _lasting(original: Callable, lasted: list[float]) -> Callable:
+    """The same, which notes how many ms it took."""
+
+    def timed(*of):
+        start = time.perf_counter()
+        result = original(*of)
+        lasted.append(1e3 * (time.perf_counter() - start))
+        return result
+
+    return timed
 
 
 def show(*cells: str) -> None:

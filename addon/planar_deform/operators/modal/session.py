@@ -50,9 +50,13 @@ class Session:
         put_up(context, keys)
 
     def ask(self, sample: Sample) -> None:
-        """Go to a sample, without those asked for before if there is no time for them."""
+        """Go to a sample, without those asked for before if there is no time for them.
+
+        Shows it at once where that takes but a moment. Raises as show().
+        """
         self._complete = False
-        self._thread.ask(sample)
+        if self._thread.at_once(sample):
+            self.show()
 
     def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
         """Go along this path from the start instead; the thread tells `seen` of each sample."""
