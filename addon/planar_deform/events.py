@@ -40,7 +40,7 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         if shape or update.is_updated_shading or update.id.type == "LATTICE":
             changed.append(update.id.original)
             if shape:
-                changes.tell(changed[-1])
+                changes.tell_update(changed[-1], dragged=snapshot.following(changed[-1]))
     for obj in dict.fromkeys(changed):
         follow.match(obj)
         follow.match_uv_map(obj, depsgraph)
@@ -56,7 +56,7 @@ def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> 
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Object)
     ]
     for obj in changed:
-        changes.tell(obj, frame=True)
+        changes.tell_frame(obj)
         if depsgraph.mode == "VIEWPORT":
             follow.match_uv_map(obj, depsgraph)
     follow.activate_shown_pose(scene, depsgraph)

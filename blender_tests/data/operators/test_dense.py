@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix, Vector
+from sequences import go_to, shown_at
 from support import TRANSFORMS, activate, add_pins, coordinates, grid, make_object
 
 SIDE = 91  # vertices a side, 8281: more than are solved themselves
@@ -70,11 +71,14 @@ def shown():
 
 def released(posing, solved):
     """What a session does when the drawing has settled, and Blender after it."""
+    from planar_deform.scene import follow
     from planar_deform.scene.view import snapshot
 
     posing.show(solved)
-    snapshot.release()
+    bpy.context.view_layer.update()
     posing.finish(solved)
+    snapshot.release()
+    follow.match(bpy.context.object)
     bpy.context.view_layer.update()
 
 
@@ -104,10 +108,28 @@ def test_a_move_reads_nothing_and_a_release_reads_once(made):
     assert made == {}, "moves only write"
     released(posing, posing.model.solved())
     shown()
-    assert made == {"_read": 1, "read": 1, "_flat_frame": 1}, "the shape is another one, the rest is not"
+    assert made == {"read": 1, "_flat_frame": 1}, "the shape is another one, rest and weights are not"
     made.clear()
     posing = begun()
     assert made == {"read": 1}, "a later press finds what was drawn, and asks for no distortion"
+    posing.click()
+
+
+def test_weights_that_somebody_else_changes_during_a_drag_are_read(made):
+    from planar_deform.scene.pins.pin_list import model_pins
+
+    obj = sheet()
+    bpy.context.view_layer.update()
+    shown()
+    posing = begun()
+    posing.model.move(0.1, 0.2, 0.0)
+    posing.show(posing.model.solved())
+    bpy.context.view_layer.update()
+    obj.vertex_groups[0].add([7], 1.0, "REPLACE")
+    bpy.context.view_layer.update()
+    released(posing, posing.model.solved())
+    posing = begun()
+    assert model_pins(obj, posing.drawing)[0].vertices.tolist() == [0, 7]
     posing.click()
 
 
@@ -330,3 +352,29 @@ def test_keys_targets_and_records_go_through_the_cage(dense, monkeypatch):
     assert [pose.frame for pose in dense.planar.poses] == [1, 13, 17, 21]
     assert dense.data.shape_keys.eval_time != before
     assert asked == [VERTICES], "one cage for all"
+
+
+def test_in_betweens_of_a_dense_drawing_go_through_the_cage(dense):
+    from planar_deform.scene.sequence import stretches
+
+    for frame, offset in ((1, (0.3, 0.2)), (5, (-0.9, 0.6))):
+        go_to(frame)
+        assert bpy.ops.planar.drag_pins(offset=offset) == {"FINISHED"}
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    keyed = [shown_at(dense, frame) for frame in (1, 5)]
+
+    def frames():
+        assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+        assert stretches.stale(dense) == []
+        assert [np.array_equal(shown_at(dense, frame), key) for frame, key in zip((1, 5), keyed, strict=True)]
+        return [shown_at(dense, frame) for frame in (2, 3, 4)]
+
+    caged = frames()
+    dense.planar.coarse_above = 20_000
+    assert stretches.stale(dense) == [(0, 1)], "solved in another way they would be others"
+    assert stretches.why_stale(dense, 0) == ["coarse solving"]
+    whole = frames()
+    diagonal = np.linalg.norm(np.ptp(keyed[0], axis=0))
+    for one, other in zip(caged, whole, strict=True):
+        assert not np.array_equal(one, other)
+        assert np.linalg.norm(one - other, axis=1).max() < 5e-3 * diagonal

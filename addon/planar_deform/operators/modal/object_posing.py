@@ -187,6 +187,7 @@ class ObjectPosing:
             and (keyed := keying.auto_key(bpy.context)) is not None
         ):
             told.append(keyed)
+        bpy.context.view_layer.update()  # while it is known to be ours
         return ". ".join(told) or None
 
     def cancel(self) -> None:

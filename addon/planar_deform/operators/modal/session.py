@@ -18,6 +18,7 @@ from ... import native
 from ...errors import ObjectGone, Refusal, try_all
 from ...model.posing.posing import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
+from ...scene import follow
 from ...scene.view import snapshot
 from . import reports, running
 from .object_posing import NOTICED, ObjectPosing
@@ -284,6 +285,9 @@ class Interactive:
         told = session.posing.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
+        obj = bpy.data.objects.get(session.posing.drawing.object_name)
+        if obj is not None:
+            follow.match(obj)  # what Blender has told of it was put off by the drag
         reports.inform(self, told)
         return {"FINISHED"}
 

@@ -23,7 +23,7 @@ from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE
 from ..objects.flat_object import MAKE_LOCAL
 from ..objects.modifiers import of_lattice
-from ..storage import migration, vertex_groups
+from ..storage import changes, migration, vertex_groups
 from ..storage.vertex_groups import Members, members
 
 NOBODY: Members = (np.empty(0, np.int32), np.empty(0))
@@ -253,6 +253,7 @@ def store_results(obj: bpy.types.Object, drawing: Drawing, results: Iterable[Pin
         if pin.kind == "PATCH" and drawing.cutout.flat:
             pin.angle = result.angle
     obj.planar.solved_stiffness = drawing.stiffness_stamp
+    changes.tell_pose(obj)
 
 
 class SavedResults:

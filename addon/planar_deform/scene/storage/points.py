@@ -84,7 +84,7 @@ def write_block(block: bpy.types.ShapeKey, shape: Array32) -> None:
 
 def update(obj: bpy.types.Object) -> None:
     """Tell Blender, and what is kept of shapes, that the object's shape has been written."""
-    changes.tell(obj)
+    changes.tell_pose(obj)
     if obj.type != "MESH":
         obj.data.update_tag()
         redraw.views()

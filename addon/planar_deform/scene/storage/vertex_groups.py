@@ -25,7 +25,7 @@ Members = tuple[Indices, Array]  # vertices (k,) in the mesh's order, and their 
 
 @dataclass(frozen=True)
 class _Kept:
-    edits: changes.Edits
+    edits: changes.Others
     names: list[str]  # of all groups, of whose removal Blender does not tell
     groups: dict[str, Members]
 
@@ -41,7 +41,7 @@ def members(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, Members]:
     wanted = [name for name in names if name in obj.vertex_groups]
     if not wanted:
         return {}
-    edits, present = changes.edits(obj), obj.vertex_groups.keys()
+    edits, present = changes.others(obj), obj.vertex_groups.keys()
     kept = _kept.get(obj.session_uid)
     # Of what is hidden Blender tells nothing until it is shown.
     if kept is None or (kept.edits, kept.names) != (edits, present) or not obj.visible_get():
