@@ -378,3 +378,15 @@ def test_in_betweens_of_a_dense_drawing_go_through_the_cage(dense):
     for one, other in zip(caged, whole, strict=True):
         assert not np.array_equal(one, other)
         assert np.linalg.norm(one - other, axis=1).max() < 5e-3 * diagonal
+
+
+def test_quads_are_cut_as_blender_cuts_them():
+    from planar_deform.scene.objects import triangulation
+
+    rng = np.random.default_rng(0)
+    vertices = rng.normal(size=(400, 3)) * [1.0, 1.0, 0.0]
+    faces = [rng.permutation(400)[: 4 if number % 3 else 3].tolist() for number in range(300)]
+    obj = make_object(vertices, faces)
+    quads = triangulation.faces_of(obj.data, shape(obj))
+    expected = triangulation._cut_ngons(obj.data, shape(obj))
+    assert np.array_equal(quads.vertices[quads.triangles], expected)

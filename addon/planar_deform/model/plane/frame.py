@@ -59,9 +59,9 @@ def plane_frame(points: Array, parts: Indices, triangles: Indices, linear: Array
     """The frame of a mesh of k x 3 object-local points seen through a 3 x 3 linear transform.
 
     Its parts (k,), which may lie in parallel planes, tell the normal: across it they reach least. None when
-    every triangle has zero area. The axes do not depend on the winding.
+    every triangle has zero area, or the points are not numbers. The axes do not depend on the winding.
     """
-    if not (_covers(points, triangles[:FEW]) or _covers(points, triangles)):
+    if not np.isfinite(points).all() or not (_covers(points, triangles[:FEW]) or _covers(points, triangles)):
         return None
     return frame_across(spread(about_part_means(points, parts))[2], linear)
 

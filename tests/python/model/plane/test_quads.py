@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quads are cut so that no half is turned over, and all quads of a grid alike."""
+"""Quads are cut so that no half is turned over, and all that are convex alike."""
 
 import numpy as np
 import pytest
@@ -35,11 +35,6 @@ def test_a_concave_quad_is_cut_at_its_inner_corner(inner, turn):
     signs = areas(triangles, points)
     assert abs(signs.sum()) == pytest.approx(np.abs(signs).sum()), "no half is turned over"
     assert (np.abs(signs) > 0.1).all()
-
-
-def test_the_rounder_triangles_are_taken():
-    triangles, _ = halves([[0.0, 0.0], [1.0, 0.1], [4.0, 0.0], [1.0, -0.1]])
-    assert all({1, 3} <= set(half) for half in triangles[0].tolist())
 
 
 def test_a_quad_without_area_is_cut_all_the_same():
