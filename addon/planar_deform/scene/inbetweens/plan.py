@@ -56,9 +56,7 @@ class Plan:
     places: PinPlaces | None  # of a lattice's pins
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
-    cage: int | None = (
-        None  # about how many vertices a coarse mesh has that is solved in place of the drawing
-    )
+    cage: int | None = None  # see storage/cage.py
     # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
     # shapes stay, and what there was.
     entries: list[Entry] = field(default_factory=list)

@@ -17,8 +17,8 @@ def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion | N
     """What the next drag does to a pose that no pin of the object has made; None where that is nothing.
 
     `distortion`: of the shape that is shown, None where that is no flat one; it is asked for only where it
-    counts. All methods but AKVF give the shape that belongs to the pins:
-    whatever none of them holds goes back to rest.
+    counts. All methods but AKVF give the shape that belongs to the pins: whatever none of them holds goes
+    back to rest.
     """
     enabled = [pin for pin in obj.planar.pins if pin.enabled]
     if obj.planar.method == "AKVF" or not enabled or any(pin.has_target for pin in enabled):

@@ -6,9 +6,8 @@ from __future__ import annotations
 import bpy
 
 VERTICES = 4000  # of the coarse mesh: with them it is off by less than 0.5 % of the drawing's size
-ABOVE = (
-    8000  # vertices of a drawing, unless its object says otherwise: a move of as many takes a mouse's time
-)
+# A move of as many vertices takes about as long as the mouse takes to move on.
+ABOVE = 8000  # unless an object says otherwise
 
 
 def cage_of(obj: bpy.types.Object) -> int | None:

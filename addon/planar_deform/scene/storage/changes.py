@@ -26,9 +26,8 @@ Edits = tuple[int, int, int]  # the same without frames, of which what an object
 Others = tuple[int, int]  # and without poses that we have written
 
 _files = 0
-_written: set[int] = (
-    set()
-)  # objects, by session_uid, a pose of which we have written since Blender told of them
+# By session_uid: objects a pose of which we have written since Blender last told of them.
+_written: set[int] = set()
 _counts: dict[int, Count] = {}  # by session_uid
 
 

@@ -42,9 +42,8 @@ _SCALE = np.stack(
     [np.interp(np.linspace(0, 1, _STEPS), np.linspace(0, 1, len(_STOPS)), stop) for stop in _STOPS.T], axis=1
 ).astype(np.float32)
 FLIPPED = (0.80, 0.0, 0.85, 1.0)
-_BYTES = np.rint(255.0 * np.concatenate([_SCALE, np.array([FLIPPED])])).astype(
-    np.uint8
-)  # what is flipped comes last
+# The same in bytes, behind them what is flipped.
+_BYTES = np.rint(255.0 * np.concatenate([_SCALE, np.array([FLIPPED])])).astype(np.uint8)
 
 # Pixels at a UI scale of 1.
 BAR = (180.0, 10.0)
