@@ -244,9 +244,8 @@ def test_many_poses_at_once_by_frame_step():
 
 
 def test_poses_put_throughout_replace_what_is_keyed_between_them():
-    from planar_deform.scene.objects.any_object import keying
+    from planar_deform.scene.objects.any_object import key_poses
     from planar_deform.scene.objects.cutout_object import begin
-    from planar_deform.scene.sequence import playback
 
     obj, shapes = keyed_bar((1, 10, 13, 16, 25, 40))
     curve = curve_of(obj)
@@ -257,14 +256,14 @@ def test_poses_put_throughout_replace_what_is_keyed_between_them():
     drawing = begin(bpy.context)
     put = {frame: drawing.positions + 0.01 * frame for frame in (10, 14, 18, 22)}
     expected = {frame: drawing.coordinates(positions) for frame, positions in put.items()}
-    playback.run(keying(drawing, put, throughout=True))
+    key_poses(drawing, put, throughout=True)
     assert [frame for frame, *_ in timing(obj)] == [1, 10, 14, 18, 22, 25, 35, 40]
     assert sorted(frames(obj)) == [[1], [10], [14], [18], [22], [25], [35], [40]]
     for frame, shape in {1: shapes[1], **expected, 25: shapes[25], 35: shapes[13], 40: shapes[40]}.items():
         assert same(shown_at(obj, frame), shape)
     # and where that is all there was
     drawing = begin(bpy.context)
-    playback.run(keying(drawing, {0: drawing.positions, 50: drawing.positions + 0.1}, throughout=True))
+    key_poses(drawing, {0: drawing.positions, 50: drawing.positions + 0.1}, throughout=True)
     assert frames(obj) == [[0], [50]]
     assert same(shown_at(obj, 0), shapes[40])
 

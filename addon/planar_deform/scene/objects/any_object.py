@@ -75,9 +75,9 @@ class Keyable(Protocol):
         """The shape of the object at rest."""
 
 
-def key_poses(drawing: Keyable, shapes: Mapping[float, Array]) -> None:
+def key_poses(drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
     """Do all of keying()."""
-    playback.run(keying(drawing, shapes))
+    playback.run(keying(drawing, shapes, throughout=throughout))
 
 
 def keying(
