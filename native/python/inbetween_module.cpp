@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -65,7 +66,7 @@ AnchorPath to_path(const std::string& name) {
 struct Request {
   Request(py::handle keys_, py::handle triangles, py::handle edges, py::handle key_times, py::handle rest,
           py::handle turns, py::handle anchor, const std::string& anchor_path, py::handle joints, bool smooth,
-          double tolerance, int max_iterations, int threads, py::handle progress)
+          std::optional<int> cage, double tolerance, int max_iterations, int threads, py::handle progress)
       : keys(to_shapes("keys", keys_)), elements(to_elements(triangles, edges)) {
     options.key_times = to_numbers("key_times", key_times, static_cast<Eigen::Index>(keys.size()));
     if (!rest.is_none()) options.rest = to_points("rest", rest, vertices_of(keys));
@@ -75,6 +76,7 @@ struct Request {
     options.anchor_path = to_path(anchor_path);
     options.joints = to_joints(joints);
     options.smooth = smooth;
+    options.cage = cage;
     options.tolerance = tolerance;
     options.max_iterations = max_iterations;
     options.threads = threads;
@@ -89,9 +91,9 @@ struct Request {
 py::array_t<double> py_inbetween(py::handle keys, py::handle times, py::handle triangles, py::handle edges,
                                  py::handle key_times, py::handle rest, py::handle turns,
                                  const std::string& method, py::handle anchor, const std::string& anchor_path,
-                                 py::handle joints, bool smooth, double tolerance, int max_iterations,
-                                 int threads, py::handle progress) {
-  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, smooth,
+                                 py::handle joints, bool smooth, std::optional<int> cage, double tolerance,
+                                 int max_iterations, int threads, py::handle progress) {
+  Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, smooth, cage,
                   tolerance, max_iterations, threads, progress);
   request.options.method = to_method(method);
   const Eigen::VectorXd t = to_numbers("times", times, kAnyRows);
@@ -122,9 +124,10 @@ using InbetweensRef = std::shared_ptr<SharedInbetweens>;
 InbetweensRef make_inbetweens(py::handle keys, py::handle triangles, py::handle edges, py::handle key_times,
                               py::handle rest, py::handle turns, py::handle anchor,
                               const std::string& anchor_path, py::handle joints, bool smooth,
-                              double tolerance, int max_iterations, int threads, py::handle progress) {
+                              std::optional<int> cage, double tolerance, int max_iterations, int threads,
+                              py::handle progress) {
   const Request request(keys, triangles, edges, key_times, rest, turns, anchor, anchor_path, joints, smooth,
-                        tolerance, max_iterations, threads, progress);
+                        cage, tolerance, max_iterations, threads, progress);
   const py::gil_scoped_release unlocked;
   return std::make_shared<SharedInbetweens>(request);
 }
@@ -144,9 +147,9 @@ void bind_inbetween(py::module_& m) {
       py::arg("triangles") = py::none(), py::arg("edges") = py::none(), py::arg("key_times") = py::none(),
       py::arg("rest") = py::none(), py::arg("turns") = py::none(), py::arg("method") = "midpoint",
       py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight", py::arg("joints") = py::none(),
-      py::arg("smooth") = false, py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100,
-      py::arg("threads") = 0, py::arg("progress") = py::none(),
-      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", joints=None, smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      py::arg("smooth") = false, py::arg("cage") = py::none(), py::arg("tolerance") = 5e-4,
+      py::arg("max_iterations") = 100, py::arg("threads") = 0, py::arg("progress") = py::none(),
+      R"(inbetween(keys, times, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, method="midpoint", anchor=None, anchor_path="straight", joints=None, smooth=False, cage=None, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 Shapes between key shapes, as isometric as possible [AIAP].
 
@@ -156,7 +159,8 @@ between two keys depends on no other (None: from the keys' means). turns: extra 
 (K-1) x parts. anchor: vertices whose mean, part by part, moves on anchor_path "straight" or "arc" (None: the centroid of each
 part), or a list of K-1 such sets and None. joints: K-1 arrays k x 2 or None, of layers that hang together: rows of a vertex of the
 carrying part and one of the carried part, which stay next to each other as in the keys. smooth: velocities are continuous at the keys, too; what rests or turns back at a key
-does so without overshoot, and what is between two keys then depends on the ones next to them as well. tolerance of [AIAP 11], a share of the diagonal of the square that holds the keys however they are turned. The result does not depend on threads (0: one per core).
+does so without overshoot, and what is between two keys then depends on the ones next to them as well. cage, 12 at least: about how many vertices a coarse mesh has that is solved on in place of
+a larger one (triangles and method "midpoint" only), which is carried along. tolerance of [AIAP 11], a share of the diagonal of the square that holds the keys however they are turned. The result does not depend on threads (0: one per core).
 
 method "midpoint" solves on a grid that depends on the keys alone and samples it: any times give the same frames. Where triangles
 would be flipped though they are not in the keys, the motion between those is tracked so that none is. "paper" and "global" are
@@ -178,7 +182,7 @@ Cancelled.)");
 
   auto motion_class = py::class_<SharedInbetweens, InbetweensRef>(
       m, "Inbetweens",
-      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", joints=None, smooth=False, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
+      R"(Inbetweens(keys, *, triangles=None, edges=None, key_times=None, rest=None, turns=None, anchor=None, anchor_path="straight", joints=None, smooth=False, cage=None, tolerance=5e-4, max_iterations=100, threads=0, progress=None)
 
 The motion of inbetween(method="midpoint"), solved once, to be sampled again and again: for a breakdown under the mouse.
 
@@ -188,8 +192,9 @@ Arguments and errors as inbetween. Threads may share an object: calls on it wait
       .def(py::init(&make_inbetweens), py::arg("keys"), py::kw_only(), py::arg("triangles") = py::none(),
            py::arg("edges") = py::none(), py::arg("key_times") = py::none(), py::arg("rest") = py::none(),
            py::arg("turns") = py::none(), py::arg("anchor") = py::none(), py::arg("anchor_path") = "straight",
-           py::arg("joints") = py::none(), py::arg("smooth") = false, py::arg("tolerance") = 5e-4,
-           py::arg("max_iterations") = 100, py::arg("threads") = 0, py::arg("progress") = py::none())
+           py::arg("joints") = py::none(), py::arg("smooth") = false, py::arg("cage") = py::none(),
+           py::arg("tolerance") = 5e-4, py::arg("max_iterations") = 100, py::arg("threads") = 0,
+           py::arg("progress") = py::none())
       .def("at", &py_at, py::arg("times"), py::kw_only(), py::arg("overshoot") = false,
            R"(at(times, *, overshoot=False)
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "planar/types.h"
@@ -59,6 +60,10 @@ struct InbetweenOptions {
   /// the square that holds the shapes however they are turned, so that turned keys give turned frames.
   double tolerance = 5e-4;
   int max_iterations = 100;
+
+  /// About so many vertices, 12 at least, of a coarse mesh to solve on in place of a larger one (midpoint and
+  /// triangles only; the others refuse it); empty: solve on the mesh itself.
+  std::optional<int> cage{};
 
   int threads = 0;  ///< to use, at most 64; 0: one per core, at most 8. The result does not depend on it
 

@@ -21,8 +21,8 @@ struct PoserOptions {
                                        ///< by default the method's own
   Eigen::VectorXd stiffness{};  ///< m factors above 0 on the triangles' energy, or empty: all 1
 
-  /// About so many vertices, 12 at least, of a coarse mesh to solve on in place of a larger one; empty: solve on
-  /// the mesh itself.
+  /// About so many vertices, 12 at least, of a coarse mesh to solve on in place of a larger one; empty: solve
+  /// on the mesh itself.
   std::optional<int> cage{};
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <complex>
 #include <utility>
 
 #include "base/index.h"
@@ -21,6 +23,19 @@ std::array<double, 3> weights_of(const Place& place) {
   return {1.0 - place.first - place.second, place.first, place.second};
 }
 
+/// The rotation of a triangle from one shape of the cage to another, 1 where there is none.
+std::complex<double> turn_of(const int* corner, const Points& from, const Points& to) {
+  const auto side = [corner](const Points& x, int c) {
+    return complex_row(x, corner[c]) - complex_row(x, corner[0]);
+  };
+  const std::complex<double> area =
+      side(from, 1) * std::conj(side(from, 2)) - side(from, 2) * std::conj(side(from, 1));
+  const std::complex<double> a =
+      (side(to, 1) * std::conj(side(from, 2)) - side(to, 2) * std::conj(side(from, 1))) / area;
+  const double length = std::abs(a);
+  return length > 0.0 && std::isfinite(length) ? a / length : 1.0;
+}
+
 }  // namespace
 
 Place place_in(const Points& rest, const Triangles& triangles, int triangle,
@@ -33,6 +48,11 @@ Place place_in(const Points& rest, const Triangles& triangles, int triangle,
   return {triangle, (p.x() * v.y() - p.y() * v.x()) / area, (u.x() * p.y() - u.y() * p.x()) / area};
 }
 
+int Cage::row_of(int isolated_vertex) const {
+  const auto found = std::lower_bound(isolated.begin(), isolated.end(), isolated_vertex);
+  return static_cast<int>(rest.rows()) - static_cast<int>(isolated.end() - found);
+}
+
 std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& triangles, int wished) {
   if (rest.rows() <= wished) return {};
   Coarse coarse = coarsened(rest, triangles, wished);
@@ -41,7 +61,7 @@ std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& trian
 }
 
 Cage make_cage(const Points& rest, Coarse coarse) {
-  Cage cage{std::move(coarse.points), std::move(coarse.triangles), {}, std::move(coarse.origins)};
+  Cage cage{std::move(coarse.points), std::move(coarse.triangles), {}, {}, std::move(coarse.origins)};
   const std::vector<int>& owner = coarse.triangle_of;
   cage.places.reserve(owner.size());
   for (std::size_t v = 0; v < owner.size(); ++v) {
@@ -49,13 +69,14 @@ Cage make_cage(const Points& rest, Coarse coarse) {
         owner[v] < 0 ? Place{-1, 0.0, 0.0}
                      : place_in(cage.rest, cage.triangles, owner[v], rest.row(static_cast<Eigen::Index>(v))));
   }
-  const auto isolated = std::find(owner.begin(), owner.end(), -1);
-  if (isolated != owner.end()) {
-    const auto v = static_cast<int>(isolated - owner.begin());
-    cage.rest.conservativeResize(cage.rest.rows() + 1, 2);
-    cage.rest.bottomRows(1) = rest.row(v);
+  for (int v = 0; v < static_cast<int>(owner.size()); ++v) {
+    if (owner[at(v)] >= 0) continue;
+    cage.isolated.push_back(v);
     cage.origins.push_back({v, -1, -1});
   }
+  const auto n_isolated = static_cast<Eigen::Index>(cage.isolated.size());
+  cage.rest.conservativeResize(cage.rest.rows() + n_isolated, 2);
+  cage.rest.bottomRows(n_isolated) = rest(cage.isolated, Eigen::all);
   return cage;
 }
 
@@ -114,6 +135,31 @@ Points CageFit::fit(const Points& x) const {
     for (int c = 0; c < static_cast<int>(result.rows()); ++c)
       result.row(c) += right.row(unknowns_.slot[at(c)]);
   }
+  return result;
+}
+
+Remainder::Remainder(const Cage& cage, const Points& fitted, const Points& x, double negligible) : left_(x) {
+  double most = 0.0;
+  for (Eigen::Index v = 0; v < x.rows(); ++v) {
+    const Place& place = cage.places[at(v)];
+    if (place.triangle < 0) continue;
+    left_.row(v) -= carried(place, cage.triangles, fitted);
+    most = std::max(most, left_.row(v).squaredNorm());
+  }
+  largest_ = std::sqrt(most);
+  if (largest_ > negligible) {
+    fitted_ = fitted;
+  } else {
+    left_.resize(0, 2);
+  }
+}
+
+Remainder::Turns Remainder::turns_to(const Cage& cage, const Points& x) const {
+  Turns result;
+  if (is_empty()) return result;
+  result.reserve(at(cage.triangles.rows()));
+  for (Eigen::Index t = 0; t < cage.triangles.rows(); ++t)
+    result.push_back(turn_of(cage.triangles.data() + 3 * t, fitted_, x));
   return result;
 }
 

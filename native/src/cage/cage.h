@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <complex>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "base/complex_rows.h"
 #include "cage/carried_mesh.h"
 #include "linear/sparse_solver.h"
 #include "linear/unknowns.h"
@@ -22,10 +24,14 @@ struct Place {
 
 /// A coarse mesh round a dense one, to be posed in its stead.
 struct Cage {
-  Points rest;                ///< c×2
-  Triangles triangles;        ///< counter-clockwise
-  std::vector<Place> places;  ///< n: of the dense vertices; in no triangle are those that are in no dense one
+  Points rest;                          ///< c×2; the last ones are the isolated vertices of the dense mesh
+  Triangles triangles;                  ///< counter-clockwise
+  std::vector<Place> places;            ///< n: of the dense vertices; isolated ones are in no triangle
+  std::vector<int> isolated;            ///< dense vertices
   std::vector<Coarse::Origin> origins;  ///< c
+
+  /// The row of the cage that is an isolated dense vertex.
+  int row_of(int isolated_vertex) const;
 };
 
 /// A coarse mesh of about `wished` vertices for a dense one, see coarsened(); more where the mesh has parts,
@@ -33,7 +39,6 @@ struct Cage {
 /// would leave with more than half of them.
 std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& triangles, int wished);
 
-/// If there are isolated vertices, the last vertex of the cage is one.
 Cage make_cage(const Points& rest, Coarse coarse);
 
 /// The place in a triangle of the mesh, seen at `rest`, of a point.
@@ -61,6 +66,38 @@ class CageFit {
   const Cage& cage_;
   std::unique_ptr<SparseSolver> solver_;
   Unknowns unknowns_;  ///< all vertices
+};
+
+/// What a cage leaves of a shape of the dense mesh, turned with the cage's triangles from where they were
+/// then.
+class Remainder {
+ public:
+  /// Nothing.
+  Remainder() = default;
+
+  /// \param fitted c×2: the cage
+  /// \param x n×2
+  /// \param negligible length up to which it is nothing
+  Remainder(const Cage& cage, const Points& fitted, const Points& x, double negligible);
+
+  bool is_empty() const { return left_.rows() == 0; }
+  double largest() const { return largest_; }
+
+  using Turns = std::vector<std::complex<double>>;
+  /// The turns of the cage's triangles to where they are at x; empty if there is nothing to turn.
+  Turns turns_to(const Cage& cage, const Points& x) const;
+  /// Of a dense vertex that is not isolated. \pre turns is not empty
+  Eigen::RowVector2d of(const Cage& cage, Eigen::Index v, const Turns& turns) const {
+    const std::complex<double> p =
+        turns[static_cast<std::size_t>(cage.places[static_cast<std::size_t>(v)].triangle)] *
+        complex_row(left_, v);
+    return {p.real(), p.imag()};
+  }
+
+ private:
+  Points left_{0, 2};  ///< n
+  Points fitted_;
+  double largest_ = 0.0;
 };
 
 }  // namespace planar

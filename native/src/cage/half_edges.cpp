@@ -2,6 +2,7 @@
 #include "cage/half_edges.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "mesh/triangle_shape.h"
@@ -14,11 +15,31 @@ HalfEdges::HalfEdges(const Points& points, const Triangles& triangles)
       out_(at(points.rows()), -1),
       fixed_(out_.size()),
       seen_(out_.size()) {
-  for (std::size_t t = 0; t < corner_.size(); t += 3) {
-    if (doubled_area(points, corner_.data() + t) < 0.0) std::swap(corner_[t + 1], corner_[t + 2]);
-  }
+  turn_counter_clockwise(points);
   join_twins();
   find_fixed();
+}
+
+/// Those that are too thin to tell lie as most do in the order that was given.
+void HalfEdges::turn_counter_clockwise(const Points& points) {
+  constexpr double thin = 1e-9;  // of the squared longest side
+  std::vector<std::size_t> unsure;
+  Eigen::Index excess = 0;  // of those that are counter-clockwise
+  for (std::size_t t = 0; t < corner_.size(); t += 3) {
+    const int* corner = corner_.data() + t;
+    const double area = doubled_area(points, corner);
+    double longest = 0.0;
+    for (int c = 0; c < 3; ++c)
+      longest = std::max(longest, (points.row(corner[c]) - points.row(corner[(c + 1) % 3])).squaredNorm());
+    if (!(std::abs(area) > thin * longest)) {
+      unsure.push_back(t);
+      continue;
+    }
+    excess += area > 0.0 ? 1 : -1;
+    if (area < 0.0) std::swap(corner_[t + 1], corner_[t + 2]);
+  }
+  if (excess >= 0) return;
+  for (const std::size_t t : unsure) std::swap(corner_[t + 1], corner_[t + 2]);
 }
 
 /// Pairs the half-edges that go there and back between two vertices; where there are others, none.

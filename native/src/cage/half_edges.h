@@ -76,6 +76,7 @@ class HalfEdges {
 
  private:
   void put(int first, const std::array<int, 3>& corner, const std::array<int, 3>& twins);
+  void turn_counter_clockwise(const Points& points);
   void join_twins();
   void find_fixed();
   void set_out(int vertex, int h);

@@ -2,17 +2,13 @@
 #include "planar/inbetween.h"
 
 #include <algorithm>
-#include <numbers>
 #include <string>
 
 #include "base/checks.h"
-#include "inbetween/edge_turns.h"
-#include "inbetween/flip_repair.h"
+#include "inbetween/carried_keys.h"
 #include "inbetween/inbetween_input.h"
-#include "inbetween/midpoint_transition.h"
+#include "inbetween/motion.h"
 #include "inbetween/paper_inbetween.h"
-#include "inbetween/part_placer.h"
-#include "parallel/thread_team.h"
 
 namespace planar {
 
@@ -20,123 +16,45 @@ namespace {
 
 constexpr std::size_t frames_at_a_time = 16;  // between two calls of progress
 
+std::vector<Ties> ties_of(const EdgeGraph& graph, const std::vector<Points>& keys,
+                          const InbetweenOptions& options, const CarriedKeys* carrier) {
+  const std::vector<Eigen::VectorXi> anchors = anchors_of(graph, keys, options);
+  const std::vector<Edges> joints = joints_of(graph, keys, options);
+  std::vector<Ties> result;
+  for (std::size_t k = 0; k < anchors.size(); ++k)
+    result.push_back(carrier ? carrier->ties(anchors[k], joints[k]) : Ties(anchors[k], joints[k]));
+  return result;
+}
+
 }  // namespace
 
 struct Inbetweens::State {
-  /// What moves from keys[k] to keys[k+1].
-  struct Transition {
-    MidpointTransition edges;
-    PartPlacer placer;
-    std::unique_ptr<FlipRepair> repair;  ///< none if there is nothing to repair
-  };
-
-  State(const std::vector<Points>& shapes, EdgeGraph edge_graph, const InbetweenOptions& options)
-      : keys(shapes),
-        times(key_times_of(keys, options)),
-        graph(std::move(edge_graph)),
-        assembler(graph),
-        team(options.threads) {
+  State(const std::vector<Points>& shapes, EdgeGraph graph, const InbetweenOptions& options) : keys(shapes) {
     require_iteration(options);
     if (options.method != InbetweenMethod::midpoint) {
       throw std::invalid_argument("method: only midpoint can be sampled at any time");
     }
-    const std::vector<Eigen::VectorXi> anchors = anchors_of(graph, keys, options);
-    const std::vector<Edges> joints = joints_of(graph, keys, options);
-    const Eigen::MatrixXi extra = turns_of(graph, keys, options);
-    const std::vector<Points> references = references_of(keys, options);
-    const double tolerance = options.tolerance * size_of(references);
-    assembler.factorize(frozen_weights(graph, references));
-    const EdgeTurns unwrapped(graph);
-    transitions.reserve(anchors.size());
-    for (std::size_t k = 0; k < anchors.size(); ++k) {
-      const Points &from = keys[k], &to = keys[k + 1];
-      const Eigen::VectorXd turns = unwrapped.between(from, to);
-      const Eigen::VectorXd part_turns = mean_turns(graph, turns, from, to);
-      PartPlacer::Course course{part_turns, Eigen::VectorXd::Zero(graph.n_parts)};
-      // Extra turns are about the anchor; on its arc they would be orbits.
-      if (options.anchor_path == AnchorPath::arc) course.arc_turns = PartPlacer::arcs(part_turns);
-      course.turns +=
-          2.0 * std::numbers::pi * extra.row(static_cast<Eigen::Index>(k)).transpose().cast<double>();
-      const MidpointTransition::Settings settings{tolerance, options.max_iterations,
-                                                  progress_of(options, 0.0, k)};
-      settings.progress(0.0);
-      transitions.push_back({{graph, assembler, from, to, turns, part_turns, settings, team},
-                             {graph, from, to, anchors[k], joints[k], course},
-                             nullptr});
-      reports.push_back({transitions.back().edges.iterations(), transitions.back().edges.converged()});
+    carrier = CarriedKeys::of(keys, graph, options);
+    if (carrier) {
+      const std::vector<Ties> ties = ties_of(carrier->graph(), keys, options, carrier.get());
+      motion = std::make_unique<Motion>(carrier->keys(),
+                                        EdgeGraph(carrier->keys()[0].rows(), carrier->triangles()),
+                                        carrier->options(options), ties);
+    } else {
+      const std::vector<Ties> ties = ties_of(graph, keys, options, nullptr);
+      motion = std::make_unique<Motion>(keys, std::move(graph), options, ties);
     }
-    if (options.smooth) join_transitions();
-    for (std::size_t k = 0; k < anchors.size(); ++k) repair(k, progress_of(options, 0.5, k));
-  }
-
-  /// Of the work on one transition, which is done in halves: first all are solved, then all are repaired.
-  std::function<void(double)> progress_of(const InbetweenOptions& options, double begin,
-                                          std::size_t k) const {
-    const auto n_transitions = static_cast<double>(keys.size() - 1);
-    const double start = begin + 0.5 * static_cast<double>(k) / n_transitions;
-    return [&progress = options.progress, start, n_transitions](double done) {
-      if (progress && !progress(start + 0.5 * done / n_transitions)) throw Cancelled();
-    };
-  }
-
-  void join_transitions() {
-    for (std::size_t k = 1; k < transitions.size(); ++k) {
-      const auto key = static_cast<Eigen::Index>(k);
-      const KeyGaps gaps = key_gaps(times[key - 1], times[key], times[key + 1]);
-      MidpointTransition::join(transitions[k - 1].edges, transitions[k].edges, gaps);
-      PartPlacer::join(transitions[k - 1].placer, transitions[k].placer, gaps);
-    }
-  }
-
-  void repair(std::size_t k, const std::function<void(double)>& progress) {
-    progress(0.0);
-    const auto unrepaired = [&](const Eigen::VectorXd& u) {
-      return frames(
-          std::vector<Eigen::Index>(static_cast<std::size_t>(u.size()), static_cast<Eigen::Index>(k)), u,
-          false);
-    };
-    auto repair = std::make_unique<FlipRepair>(graph, keys[k], keys[k + 1], transitions[k].edges.steps(),
-                                               unrepaired, progress, team);
-    reports[k].unrepaired = repair->hopeless_parts();
-    reports[k].converged = reports[k].converged && repair->converged();
-    if (repair->needed()) transitions[k].repair = std::move(repair);
-  }
-
-  /// Frames at shares u[i] of transitions k[i], a pass for FrameAssembler::lanes of them.
-  std::vector<Points> frames(const std::vector<Eigen::Index>& k, const Eigen::VectorXd& u, bool repaired) {
-    constexpr Eigen::Index lanes = FrameAssembler::lanes;
-    std::vector<Points> result(k.size());
-    const auto passes = static_cast<std::size_t>(FrameAssembler::padded(u.size()) / lanes);
-    team.run(passes, [&](std::size_t pass, std::size_t thread) {
-      ComplexRows edges = ComplexRows::Zero(static_cast<Eigen::Index>(graph.edges.size()), lanes);
-      ComplexRows points(graph.n_vertices, lanes);
-      const Eigen::Index first = static_cast<Eigen::Index>(pass) * lanes;
-      const Eigen::Index count = std::min(lanes, u.size() - first);
-      const auto transition = [&](Eigen::Index i) -> const Transition& {
-        return transitions[static_cast<std::size_t>(k[static_cast<std::size_t>(first + i)])];
-      };
-      for (Eigen::Index i = 0; i < count; ++i) transition(i).edges.sample(u[first + i], edges, i);
-      assembler.assemble(edges, 0, points);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const auto row = static_cast<std::size_t>(first + i);
-        const PartPlacer& placer = transition(i).placer;
-        result[row] = placer.place(points, i, u[first + i]);
-        const FlipRepair* repair = transition(i).repair.get();
-        if (!repaired || !repair || u[first + i] < 0.0 || u[first + i] > 1.0) continue;
-        Points upright = repair->repaired(result[row], u[first + i], thread);
-        placer.hold_anchors(result[row], upright);
-        result[row] = std::move(upright);
-      }
-    });
-    return result;
+    reports = motion->report();
+    if (!carrier) return;
+    for (TransitionReport& report : reports) report.unrepaired = carrier->parts(report.unrepaired);
   }
 
   std::vector<Points> sample(const Eigen::VectorXd& wanted, Outside outside,
                              const std::function<bool(double)>& progress = {}) {
+    const Eigen::VectorXd& times = motion->key_times();
     std::vector<Points> result(static_cast<std::size_t>(wanted.size()));
     std::vector<std::size_t> rows;  // those that are not keys
-    std::vector<Eigen::Index> k;
-    std::vector<double> u;
+    std::vector<Moment> moments;
     for (Eigen::Index i = 0; i < wanted.size(); ++i) {
       const double time = wanted[i];
       const auto row = static_cast<std::size_t>(i);
@@ -154,30 +72,28 @@ struct Inbetweens::State {
                                     (margin > 0.0 ? " by more than the outermost two are apart" : ""));
       }
       rows.push_back(row);
-      k.push_back(transition);
-      u.push_back(share);
+      moments.push_back({static_cast<std::size_t>(transition), share});
     }
     for (std::size_t first = 0; first < rows.size(); first += frames_at_a_time) {
       const std::size_t end = std::min(first + frames_at_a_time, rows.size());
       if (progress && !progress(static_cast<double>(first) / static_cast<double>(rows.size()))) {
         throw Cancelled();
       }
-      const auto count = static_cast<Eigen::Index>(end - first);
-      std::vector<Points> solved = frames(
-          {k.begin() + static_cast<std::ptrdiff_t>(first), k.begin() + static_cast<std::ptrdiff_t>(end)},
-          Eigen::Map<const Eigen::VectorXd>(u.data() + first, count), true);
-      for (std::size_t i = first; i < end; ++i) result[rows[i]] = std::move(solved[i - first]);
+      std::vector<Points> solved = motion->sample({moments.begin() + static_cast<std::ptrdiff_t>(first),
+                                                   moments.begin() + static_cast<std::ptrdiff_t>(end)});
+      motion->threads().run(end - first, [&](std::size_t i, std::size_t) {
+        const auto [k, u] = moments[first + i];
+        Points& frame = result[rows[first + i]];
+        frame = carrier ? carrier->carried(solved[i], k, u) : std::move(solved[i]);
+      });
     }
     return result;
   }
 
   std::vector<Points> keys;
-  Eigen::VectorXd times;
-  EdgeGraph graph;
-  FrameAssembler assembler;
-  ThreadTeam team;
-  std::vector<Transition> transitions;
-  std::vector<TransitionReport> reports;
+  std::unique_ptr<CarriedKeys> carrier;  ///< none where the keys themselves are solved
+  std::unique_ptr<Motion> motion;
+  std::vector<TransitionReport> reports;  ///< on parts of the keys' mesh
 };
 
 namespace {

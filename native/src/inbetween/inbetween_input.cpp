@@ -72,6 +72,7 @@ void require_iteration(const InbetweenOptions& options) {
     throw std::invalid_argument("tolerance must be a finite number above 0");
   }
   if (options.max_iterations < 1) throw std::invalid_argument("max_iterations must be at least 1");
+  require_cage(options.cage);
   if (options.threads < 0) throw std::invalid_argument("threads must not be negative");
 }
 

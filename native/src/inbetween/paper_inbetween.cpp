@@ -141,6 +141,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
                                     const EdgeGraph& graph, const InbetweenOptions& options) {
   require_iteration(options);
   if (options.smooth) throw std::invalid_argument("smooth: the paper's methods are not; use midpoint");
+  if (options.cage) throw std::invalid_argument("cage: the paper's methods have none; use midpoint");
   require_uniform(times, key_times_of(keys, options));
   const Eigen::VectorXi anchor = anchors_of(graph, keys, options)[0];
   const Edges joints = joints_of(graph, keys, options)[0];
@@ -196,7 +197,7 @@ std::vector<Points> paper_inbetween(const std::vector<Points>& keys, const Eigen
     if (iteration == options.max_iterations) break;
   }
 
-  const PartPlacer placer(graph, keys[0], keys[1], anchor, joints, course);
+  const PartPlacer placer(graph, keys[0], keys[1], {anchor, joints}, course);
   std::vector<Points> frames{keys[0]};
   for (Eigen::Index k = 1; k < last; ++k) {
     const double u = static_cast<double>(k) / static_cast<double>(last);

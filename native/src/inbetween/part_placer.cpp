@@ -15,24 +15,34 @@ namespace {
 
 constexpr double straight = 1e-9;  // radians of an arc
 
-Complex mean_of(const std::vector<int>& vertices, const auto& place_of) {
+Complex mean_of(const Spot& spot, const auto& place_of) {
   Complex sum = 0.0;
-  for (const int v : vertices) sum += place_of(v);
-  return sum / static_cast<double>(vertices.size());
+  double weights = 0.0;
+  for (const auto& [v, weight] : spot) {
+    sum += weight * place_of(v);
+    weights += weight;
+  }
+  return sum / weights;
 }
 
 Complex place_in(const Points& x, int v) { return {x(v, 0), x(v, 1)}; }
 
 }  // namespace
 
-PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points& to,
-                       const Eigen::VectorXi& anchor, const Edges& joints, const Course& course)
+Ties::Ties(const Eigen::VectorXi& anchor_vertices, const Edges& joint_vertices) {
+  for (const int v : anchor_vertices) anchor.push_back({v, 1.0});
+  for (Eigen::Index i = 0; i < joint_vertices.rows(); ++i)
+    joints.push_back({Spot{{joint_vertices(i, 0), 1.0}}, Spot{{joint_vertices(i, 1), 1.0}}});
+}
+
+PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points& to, const Ties& ties,
+                       const Course& course)
     : graph_(graph), parts_(static_cast<std::size_t>(graph.n_parts)) {
-  const auto add = [this](int vertex) {
-    const int part = graph_.part[static_cast<std::size_t>(vertex)];
-    if (part != -1) parts_[static_cast<std::size_t>(part)].anchor.push_back(vertex);
+  const auto add = [this](WeightedVertex held) {
+    const int part = graph_.part[static_cast<std::size_t>(held.vertex)];
+    if (part != -1) parts_[static_cast<std::size_t>(part)].anchor.push_back(held);
   };
-  for (const int vertex : anchor) add(vertex);
+  for (const WeightedVertex& held : ties.anchor) add(held);
   std::vector<char> held;
   for (const Part& part : parts_) held.push_back(!part.anchor.empty());
   for (int v = 0; v < graph.n_vertices; ++v) {
@@ -41,7 +51,7 @@ PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points&
       isolated_.push_back(v);
       isolated_line_.push_back({place_in(from, v), place_in(to, v) - place_in(from, v)});
     } else if (!held[static_cast<std::size_t>(part)]) {
-      add(v);
+      add({v, 1.0});
     }
   }
   for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -52,21 +62,24 @@ PartPlacer::PartPlacer(const EdgeGraph& graph, const Points& from, const Points&
     part.arc = course.arc_turns[static_cast<Eigen::Index>(p)];
     if (std::abs(part.arc) < straight) part.arc = 0.0;
   }
-  for (Eigen::Index i = 0; i < joints.rows(); ++i) {
-    const int a = joints(i, 0), b = joints(i, 1);
-    Part& part = parts_[part_of(b)];
-    part.joint = {a, b};
-    part.offset.from = place_in(from, b) - place_in(from, a);
-    part.offset.way = place_in(to, b) - place_in(to, a) - part.offset.from;
+  for (const std::array<Spot, 2>& joint : ties.joints) {
+    Part& part = parts_[part_of(joint[1].front().vertex)];
+    const auto offset = [&joint](const Points& x) {
+      const auto place = [&x](int v) { return place_in(x, v); };
+      return mean_of(joint[1], place) - mean_of(joint[0], place);
+    };
+    part.joint = joint;
+    part.offset.from = offset(from);
+    part.offset.way = offset(to) - part.offset.from;
   }
   std::vector<char> ordered(parts_.size());
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     // Up to one that is in order already, then back.
     std::vector<std::size_t> chain;
-    for (std::size_t q = p; !ordered[q]; q = part_of(parts_[q].joint[0])) {
+    for (std::size_t q = p; !ordered[q]; q = carrier_of(q)) {
       chain.push_back(q);
       ordered[q] = 1;
-      if (parts_[q].joint[0] == -1) break;
+      if (!is_carried(q)) break;
     }
     order_.insert(order_.end(), chain.rbegin(), chain.rend());
   }
@@ -116,11 +129,12 @@ std::vector<Complex> PartPlacer::shifts(const auto& anchored, const auto& offset
                                         const auto& place_of) const {
   std::vector<Complex> shift(parts_.size());
   for (const std::size_t p : order_) {
-    const auto [a, b] = parts_[p].joint;
-    if (a == -1) {
+    const auto& [carrying, carried] = parts_[p].joint;
+    if (!is_carried(p)) {
       shift[p] = anchored(p) - mean_of(parts_[p].anchor, place_of);
     } else {
-      shift[p] = place_of(a) + shift[part_of(a)] + offset_of(parts_[p]) - place_of(b);
+      shift[p] = mean_of(carrying, place_of) + shift[carrier_of(p)] + offset_of(parts_[p]) -
+                 mean_of(carried, place_of);
     }
   }
   return shift;
@@ -150,10 +164,10 @@ Points PartPlacer::place(const ComplexRows& points, Eigen::Index column, double 
 
 void PartPlacer::hold_anchors(const Points& placed, Points& x) const {
   const auto before = [&placed](int v) { return place_in(placed, v); };
-  const std::vector<Complex> shift =
-      shifts([&](std::size_t p) { return mean_of(parts_[p].anchor, before); },
-             [&](const Part& part) { return before(part.joint[1]) - before(part.joint[0]); },
-             [&x](int v) { return place_in(x, v); });
+  const std::vector<Complex> shift = shifts(
+      [&](std::size_t p) { return mean_of(parts_[p].anchor, before); },
+      [&](const Part& part) { return mean_of(part.joint[1], before) - mean_of(part.joint[0], before); },
+      [&x](int v) { return place_in(x, v); });
   for (int v = 0; v < graph_.n_vertices; ++v) {
     if (graph_.part[static_cast<std::size_t>(v)] == -1) continue;
     x.row(v) += Eigen::RowVector2d(shift[part_of(v)].real(), shift[part_of(v)].imag());

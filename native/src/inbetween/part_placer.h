@@ -2,11 +2,31 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "inbetween/key_slopes.h"
 #include "mesh/edge_graph.h"
 
 namespace planar {
+
+/// A vertex and what it counts.
+struct WeightedVertex {
+  int vertex;
+  double weight;
+
+  bool operator==(const WeightedVertex&) const = default;
+};
+/// The weighted mean of some vertices of a part.
+using Spot = std::vector<WeightedVertex>;
+
+/// What holds the parts in place between two keys, checked.
+struct Ties {
+  Spot anchor;                              ///< of all parts; parts without any are held at their centroid
+  std::vector<std::array<Spot, 2>> joints;  ///< on the carrying part and on the carried one
+
+  Ties() = default;
+  Ties(const Eigen::VectorXi& anchor_vertices, const Edges& joint_vertices);
+};
 
 /// Sets assembled frames between two keys, which have no place of their own, where they belong: each part's
 /// anchor, the mean of some of its vertices, is on its path from one key to the next, or a vertex of it is
@@ -20,9 +40,8 @@ class PartPlacer {
   };
 
   /// \param from, to the keys
-  /// \param anchor, joints checked; parts without any are held at their centroid
-  PartPlacer(const EdgeGraph& graph, const Points& from, const Points& to, const Eigen::VectorXi& anchor,
-             const Edges& joints, const Course& course);
+  PartPlacer(const EdgeGraph& graph, const Points& from, const Points& to, const Ties& ties,
+             const Course& course);
 
   /// The frame at u, 0 at the first key and 1 at the second, or beyond them: a column of `points` turned by
   /// u·turns.
@@ -52,9 +71,9 @@ class PartPlacer {
   };
 
   struct Part {
-    std::vector<int> anchor;           ///< never empty
-    std::array<int, 2> joint{-1, -1};  ///< carrying and carried vertex, or -1
-    Complex from, to;                  ///< of the anchor
+    Spot anchor;                  ///< never empty
+    std::array<Spot, 2> joint{};  ///< on the carrying part and on this one, or empty
+    Complex from, to;             ///< of the anchor
     double turn, arc;
     SlopeChange<double> turn_change{}, arc_change{};
     SlopeChange<Complex> path_change{};
@@ -66,6 +85,8 @@ class PartPlacer {
   std::size_t part_of(int vertex) const {
     return static_cast<std::size_t>(graph_.part[static_cast<std::size_t>(vertex)]);
   }
+  bool is_carried(std::size_t part) const { return !parts_[part].joint[0].empty(); }
+  std::size_t carrier_of(std::size_t part) const { return part_of(parts_[part].joint[0].front().vertex); }
   std::vector<Complex> shifts(const auto& anchored, const auto& offset_of, const auto& place_of) const;
 
   const EdgeGraph& graph_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -41,7 +40,6 @@ class CageMethod final : public PosingMethod {
 
  private:
   using Action = void (PosingMethod::*)(const Points& targets, Points& x, Report& report);
-  using Turns = std::vector<std::complex<double>>;
 
   /// A cage and what is made for it.
   struct Solved {
@@ -58,10 +56,10 @@ class CageMethod final : public PosingMethod {
   Handles caged(const Handles& handles, const Solved& on) const;
   Place place_of(const Pin& point, const Cage& cage) const;
   void act(Action action, int rounds, double kept, const Points& targets, Points& x, Report& report);
+  bool is_as_left(const Points& x) const;
   void take(const Points& x);
   std::vector<double> left_after(double kept) const;
-  Turns turns_at(const Points& x, const std::vector<double>& left) const;
-  Eigen::RowVector2d beside(Eigen::Index v, const Turns& turns) const;
+  Remainder::Turns turns_at(const Points& x, const std::vector<double>& left) const;
   Points offsets(const std::vector<double>& left) const;
   void carry(const std::vector<char>& parts, Points& x) const;
 
@@ -77,13 +75,14 @@ class CageMethod final : public PosingMethod {
 
   Points x_;                   ///< of the cage
   bool unseen_ = true;         ///< the mesh's positions come from elsewhere
-  Points beside_;              ///< n: what the fit left of them, or 0×2 if that is nothing
-  double largest_left_ = 0.0;  ///< length of one of these
-  Points fitted_;              ///< the cage's positions then
-  std::vector<double> left_;   ///< how much of it is left, by part
+  std::vector<int> repaired_;  ///< dense vertices that were not left where the cage has them
+  Points repaired_places_;
+  Remainder beside_;          ///< what the fit left of them
+  std::vector<double> left_;  ///< how much of it is left, by part
 
   Handles handles_, cage_handles_;
-  std::vector<char> held_;  ///< by part of the cage: it has handles
+  std::vector<char> pinned_;  ///< n: vertices of handles
+  std::vector<char> held_;    ///< by part of the cage: it has handles
 };
 
 }  // namespace planar

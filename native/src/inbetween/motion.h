@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "inbetween/flip_repair.h"
+#include "inbetween/frame_assembler.h"
+#include "inbetween/midpoint_transition.h"
+#include "inbetween/part_placer.h"
+#include "mesh/edge_graph.h"
+#include "parallel/thread_team.h"
+#include "planar/inbetween.h"
+
+namespace planar {
+
+/// Where a time lies: at a share u of the way from key k to the next.
+struct Moment {
+  std::size_t k;
+  double u;
+};
+
+/// All transitions between keys, solved; see planar/inbetween.h.
+class Motion {
+ public:
+  /// \param options checked
+  /// \param ties one a transition
+  Motion(const std::vector<Points>& shapes, EdgeGraph edge_graph, const InbetweenOptions& options,
+         const std::vector<Ties>& ties);
+
+  /// Frames at moments that are not keys'.
+  std::vector<Points> sample(const std::vector<Moment>& moments);
+
+  const Eigen::VectorXd& key_times() const { return times_; }
+  ThreadTeam& threads() { return team_; }
+  const std::vector<TransitionReport>& report() const { return reports_; }
+
+ private:
+  /// What moves from keys[k] to keys[k+1].
+  struct Transition {
+    MidpointTransition edges;
+    PartPlacer placer;
+    std::unique_ptr<FlipRepair> repair;  ///< none if there is nothing to repair
+  };
+
+  /// Of the work on one transition, which is done in halves: first all are solved, then all are repaired.
+  std::function<void(double)> progress_of(const InbetweenOptions& options, double begin, std::size_t k) const;
+  void join_transitions();
+  void repair(std::size_t k, const std::function<void(double)>& progress);
+  /// Frames at shares u[i] of transitions k[i], a pass for FrameAssembler::lanes of them.
+  std::vector<Points> frames(const std::vector<Eigen::Index>& k, const Eigen::VectorXd& u, bool repaired);
+
+  std::vector<Points> keys_;
+  Eigen::VectorXd times_;
+  EdgeGraph graph_;
+  FrameAssembler assembler_;
+  ThreadTeam team_;
+  std::vector<Transition> transitions_;
+  std::vector<TransitionReport> reports_;
+};
+
+}  // namespace planar
