@@ -95,7 +95,7 @@ class Plan:
             anchor_path="arc" if self.path == "ARC" else "straight",
             joints=joined,
             smooth=self.smooth,
-            **({} if self.cage is None else {"cage": self.cage}),
+            cage=self.cage,
             progress=progress,
         )
         if self.places is None:
