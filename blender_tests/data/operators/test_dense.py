@@ -249,7 +249,7 @@ def last_place(obj):
 
 def size_of(obj):
     corners = np.array([obj.matrix_world @ obj.data.vertices[row].co for row in (0, SIDE * SIDE - 1)])
-    return np.linalg.norm(corners[1] - corners[0])
+    return float(np.linalg.norm(corners[1] - corners[0]))
 
 
 def test_a_dense_drawing_is_solved_by_a_cage_and_says_so(dense):
