@@ -390,3 +390,16 @@ def test_quads_are_cut_as_blender_cuts_them():
     quads = triangulation.faces_of(obj.data, shape(obj))
     expected = triangulation._cut_ngons(obj.data, shape(obj))
     assert np.array_equal(quads.vertices[quads.triangles], expected)
+
+
+@pytest.mark.parametrize("method", ["HOLD", "AKVF", "ARAP"])
+def test_a_later_drag_goes_on_from_what_the_one_before_has_left(dense, method):
+    """The cage begins where it finds the drawing, as float32 has kept that."""
+    dense.planar.method = method
+    assert bpy.ops.planar.drag_pins(offset=(-0.5, 0.6)) == {"FINISHED"}
+    left, place = shape(dense), last_place(dense)
+    assert bpy.ops.planar.drag_pins(offset=(0.0, 0.0)) == {"FINISHED"}
+    diagonal = np.linalg.norm(np.ptp(left, axis=0))
+    assert np.linalg.norm(shape(dense) - left, axis=1).max() < 2e-3 * diagonal
+    assert bpy.ops.planar.drag_pins(offset=(0.2, 0.0)) == {"FINISHED"}
+    assert np.linalg.norm(last_place(dense) - place) == pytest.approx(0.2, abs=1e-2)
