@@ -17,10 +17,10 @@ from .operators.modal import running
 from .scene import follow
 from .scene.image import preview, reading
 from .scene.lattice import reaching, rig
-from .scene.objects import lattice_edits, triangulation
+from .scene.objects import cutout_object, lattice_edits, triangulation
 from .scene.pins import following
 from .scene.sequence import pose_showing
-from .scene.storage import changes, digests, migration
+from .scene.storage import changes, digests, migration, vertex_groups
 from .scene.view import coarseness, onion, snapshot
 
 CLASSES = ()
@@ -41,7 +41,7 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         if shape or update.is_updated_shading or update.id.type == "LATTICE":
             changed.append(update.id.original)
             if shape:
-                changes.tell(changed[-1])
+                changes.tell_update(changed[-1], dragged=snapshot.following(changed[-1]))
     for obj in dict.fromkeys(changed):
         follow.match(obj)
         follow.match_uv_map(obj, depsgraph)
@@ -57,7 +57,7 @@ def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> 
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Object)
     ]
     for obj in changed:
-        changes.tell(obj, frame=True)
+        changes.tell_frame(obj)
         if depsgraph.mode == "VIEWPORT":
             follow.match_uv_map(obj, depsgraph)
     follow.activate_shown_pose(scene, depsgraph)
@@ -100,8 +100,10 @@ RESET: tuple[Callable[[], None], ...] = (
     solving.halt,
     solver_cache.clear,
     triangulation.forget,
+    cutout_object.forget,
     changes.tell_all,
     digests.forget,
+    vertex_groups.forget,
     reaching.forget,
     rig.forget,
     snapshot.forget,

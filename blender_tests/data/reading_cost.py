@@ -42,11 +42,11 @@ def sheet(side: int) -> bpy.types.Object:
 
 
 def measure(name: str, change: Callable[[int], object]) -> None:
-    from planar_deform.scene.objects import cutout_reading
+    from planar_deform.scene.objects import cutout_object
     from planar_deform.scene.view import snapshot
 
-    asked, drawn, read, reads = [], [], cutout_reading.read, []
-    cutout_reading.read = lambda *of, **more: reads.append(name) or read(*of, **more)
+    asked, drawn, read, reads = [], [], cutout_object.read, []
+    cutout_object.read = lambda *of, **more: reads.append(name) or read(*of, **more)
     for step in range(COUNT):
         change(step)
         bpy.context.view_layer.update()
@@ -56,7 +56,7 @@ def measure(name: str, change: Callable[[int], object]) -> None:
         assert len(seen.points)
         assert seen.distortion is not None
         drawn.append(1e3 * (time.process_time() - start))
-    cutout_reading.read = read
+    cutout_object.read = read
     print(
         f"{name:34}{statistics.median(asked):9.3f}{statistics.median(drawn):9.3f}{len(reads):7}", flush=True
     )

@@ -195,7 +195,7 @@ def test_in_recordings(window: Window) -> Iterator[None]:
         (posing, "show", 0),
         (operator, "_end", 0),
         (operator, "_keep", 0),
-        (addon("operators.record"), "key_poses", 0),
+        (addon("operators.record"), "keying", 0),
     ):
         yield from broken_in(window, owner, name, record, after=after)
 

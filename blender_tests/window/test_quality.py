@@ -177,12 +177,12 @@ def test_nothing_is_made_anew_while_another_object_moves(window: Window) -> Iter
     yield from show(window, "AREA")
     yield from window.wait(0.3)
     made, originals = [], {}
+    makers = {"quality": "_make", "mesh_edges": "_make"}
     for name in ("quality", "mesh_edges", "onion_skin", "marks"):
-        module = addon(f"ui.draw.{name}")
-        originals[module] = module.batch_for_shader
-        module.batch_for_shader = lambda *of, name=name, make=originals[module], **more: (
-            made.append(name) or make(*of, **more)
-        )
+        module, maker = addon(f"ui.draw.{name}"), makers.get(name, "batch_for_shader")
+        originals[module, maker] = make = getattr(module, maker)
+        counted = lambda *of, name=name, make=make, **more: made.append(name) or make(*of, **more)  # noqa: E731
+        setattr(module, maker, counted)
     try:
         for step in range(5):
             other.location.x = 0.1 * step
@@ -200,5 +200,5 @@ def test_nothing_is_made_anew_while_another_object_moves(window: Window) -> Iter
         yield from window.wait(0.2)
         assert len(made) == count, "what another object shows is kept"
     finally:
-        for module, original in originals.items():
-            module.batch_for_shader = original
+        for (module, maker), original in originals.items():
+            setattr(module, maker, original)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
@@ -16,14 +16,15 @@ from ..model.plane.frame import Array
 from ..model.posing.posing import Sample, Solved
 from ..scene.lattice.posed import begin_posing, posing_refusal
 from ..scene.objects import modifiers
-from ..scene.objects.any_object import key_poses
+from ..scene.objects.any_object import keying
 from ..scene.objects.lattice_object import in_space
 from ..scene.pins import pin_list
-from ..scene.sequence import pose_state
+from ..scene.sequence import playback, pose_state
 from ..scene.view import snapshot
 from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, PATH, unpack_path
 from .modal import reports, running
+from .modal.long_job import SLICE
 from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
 from .modal.session import PASSED_ON, Interactive, Session, put_away, put_up
@@ -56,11 +57,23 @@ class _Take(Session):
         super().__init__(context, posing, RECORDING)
         self.frame = context.scene.frame_current  # of its first pose
         self.concluded = False
+        self.keying: Generator[float, None, None] | None = None  # once all poses are solved
+
+    def show(self, *, again: bool = False) -> None:
+        if self.keying is None:
+            super().show(again=again)
 
     def take_back(self) -> None:
+        if self.keying is not None:
+            self.keying.close()
         super().take_back()
         with contextlib.suppress(AttributeError):  # there may be no scene any more
             bpy.context.scene.frame_set(self.frame)
+
+    def let_go(self) -> None:
+        if self.keying is not None:
+            self.keying.close()
+        super().let_go()
 
     def conclude(self) -> None:
         """Record is pressed once more: the motion is complete."""
@@ -118,7 +131,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
                 if layer is not None:
                     layer.follow(poses)
                 posing.solve(poses.samples, poses.seen)
-                self._keep(context, posing, poses)
+                playback.run(self._keep(context, posing, poses))
             except Exception:
                 context.scene.frame_set(before)
                 posing.cancel()
@@ -145,6 +158,8 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if self._waiting is None:
+            if self._session.keying is not None:
+                return self.guarded(lambda: self._key(context, event))
             return super().modal(context, event)
         try:
             return self._wait(context, event)
@@ -263,11 +278,27 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         """While the poses are solved."""
         if event.type == "TIMER":
             if poses.share == 1.0:
-                self._keep(context, self._session.posing, poses)
+                self._session.keying = self._keep(context, self._session.posing, poses)
+                return self._key(context, event)
+            if context.area is not None:
+                context.area.header_text_set(f"Solving the Poses: {poses.share:.0%}   Esc: Discard")
+        return {"PASS_THROUGH"} if event.type.startswith(PASSED_ON) else {"RUNNING_MODAL"}
+
+    def _key(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """While the poses are keyed, a little at each look."""
+        if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
+            return self.stop()
+        if event.type == "TIMER":
+            steps, until = self._session.keying, time.perf_counter() + SLICE
+            assert steps is not None  # or it would not have begun
+            share = next(steps, None)
+            while share is not None and time.perf_counter() < until:
+                share = next(steps, None)
+            if share is None:
                 self.leave()
                 return {"FINISHED"}
             if context.area is not None:
-                context.area.header_text_set(f"Solving the Poses: {poses.share:.0%}   Esc: Discard")
+                context.area.header_text_set(f"Keying the Poses: {share:.0%}   Esc: Discard")
         return {"PASS_THROUGH"} if event.type.startswith(PASSED_ON) else {"RUNNING_MODAL"}
 
     def _poses_of(self, path: list[Sample]) -> Poses:
@@ -294,13 +325,15 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         posing.model.played = layer
         return layer
 
-    def _keep(self, context: bpy.types.Context, posing: ObjectPosing, poses: Poses) -> None:
-        """Key the poses; the last one is shown, and the pins hold it."""
+    def _keep(
+        self, context: bpy.types.Context, posing: ObjectPosing, poses: Poses
+    ) -> Generator[float, None, None]:
+        """Key the poses, step by step; the last one is shown, and the pins hold it."""
         drawing = posing.drawing
         drawing.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
         by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
-        key_poses(drawing, by_frame, throughout=True)
+        yield from keying(drawing, by_frame, throughout=True)
         solved = poses.last
         assert solved is not None  # all of them are solved
         pin_list.store_results(context.object, begin_posing(context), solved.results)

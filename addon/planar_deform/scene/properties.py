@@ -24,7 +24,7 @@ from .flatten import pushing
 from .objects.any_object import shape_refusal
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
-from .storage import migration
+from .storage import cage, migration
 from .telling import tell
 
 # Blender evaluates none of these: they are read when something is done. Animated, they would only be set back
@@ -284,6 +284,17 @@ class PlanarSettings(bpy.types.PropertyGroup):
             ("AREA", "Area", "How much larger or smaller each triangle has become"),
             ("ANGLE", "Angle", "How much each triangle has changed its shape"),
         ),
+        update=_number,
+        options=NOT_ANIMATED,
+    )
+    coarse_above: IntProperty(
+        name="Solve Coarsely Above",
+        description=(
+            f"A drawing of more vertices is solved on a coarse mesh of about {cage.VERTICES} round it, "
+            "which carries it along"
+        ),
+        default=cage.ABOVE,
+        min=cage.VERTICES,
         update=_number,
         options=NOT_ANIMATED,
     )

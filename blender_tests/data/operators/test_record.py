@@ -138,7 +138,7 @@ def test_a_refusal_leaves_frame_and_mesh(monkeypatch):
     assert bpy.context.scene.frame_current == 7
     assert obj.data.shape_keys is None
     obj.planar.pins[1].select = True
-    monkeypatch.setattr(operator, "key_poses", refuse)
+    monkeypatch.setattr(operator, "keying", refuse)
     with pytest.raises(RuntimeError, match="cannot be keyed"):
         record(wave())
     assert bpy.context.scene.frame_current == 7

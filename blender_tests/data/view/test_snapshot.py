@@ -39,15 +39,15 @@ def left_pin(obj):
 @pytest.fixture
 def reads(monkeypatch):
     """The names of the objects whose meshes are read, in order."""
-    from planar_deform.scene.objects import cutout_reading
+    from planar_deform.scene.objects import cutout_object
 
-    names, read = [], cutout_reading.read
+    names, read = [], cutout_object.read
 
     def counted(obj, **more):
         names.append(obj.name)
         return read(obj, **more)
 
-    monkeypatch.setattr(cutout_reading, "read", counted)
+    monkeypatch.setattr(cutout_object, "read", counted)
     return names
 
 
@@ -69,10 +69,13 @@ def assert_same(seen, other):
 
 def assert_as_read_anew(obj):
     """What is shown is what a new reading shows."""
+    from planar_deform.scene.objects import cutout_object, triangulation
+    from planar_deform.scene.storage import vertex_groups
     from planar_deform.scene.view import snapshot
 
     seen = seen_of(obj)
-    snapshot.forget()
+    for module in (snapshot, cutout_object, triangulation, vertex_groups):
+        module.forget()
     assert_same(seen, seen_of(obj))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .connectivity import counted_edges
 from .cutout import signed_areas
 from .frame import Array, Indices
 
@@ -25,8 +26,7 @@ def hinged(rest: Array, triangles: Indices) -> float:
     All corners of such a triangle are on the rim: the drawing folds there as at a hinge, and what is
     between two hinges stays stiff.
     """
-    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    found, count = np.unique(edges, axis=0, return_counts=True)
+    found, count = counted_edges(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
     rim = np.zeros(len(rest), bool)
     rim[found[count == 1]] = True
     areas = np.abs(signed_areas(rest, triangles))

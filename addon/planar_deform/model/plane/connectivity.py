@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .frame import Indices
 
@@ -46,5 +47,11 @@ class Connectivity:
 
 def unique_edges(pairs: Indices) -> Indices:
     """Pairs of vertices (k x 2) as edges: each once, lower vertex first, sorted."""
-    edges: Indices = np.unique(np.sort(pairs, axis=1), axis=0).astype(np.int32)
-    return edges
+    return counted_edges(pairs)[0]
+
+
+def counted_edges(pairs: Indices) -> tuple[Indices, NDArray[np.intp]]:
+    """The same, and how often each is among the pairs."""
+    first, second = pairs.T.astype(np.int64)
+    keys, counts = np.unique(np.minimum(first, second) << 32 | np.maximum(first, second), return_counts=True)
+    return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1).astype(np.int32), counts

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from .frame import Array, Indices
+from .locate import MeshPoint
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,18 @@ class Cutout:
     parts: Indices  # n, the connected part of each vertex, counted from 0
     diagonal: float  # of the rest shape's bounding box
     stiffness: Array | None = None  # m factors, None: all 1
+    cage: int | None = None  # about how many vertices a coarse mesh has that is solved in its place
     flat: bool = True  # nothing is turned out of the plane, so that turns count from rest
+    # Points of it that have been looked for, by what they are the middle of, see posing/pins.py.
+    found: dict[bytes, MeshPoint] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def first_corners(self) -> Indices:
+        """Of each vertex, its first corner among all of the triangles, of which every vertex has one."""
+        corners = np.zeros(len(self.rest), np.int32)
+        flat = self.triangles.ravel()
+        corners[flat[::-1]] = np.arange(flat.size - 1, -1, -1, dtype=np.int32)
+        return corners
 
 
 # A fully painted triangle resists this many times as much as a neutral one, an erased one as many times less.
@@ -30,13 +43,19 @@ STIFFEST = 100.0
 NEUTRAL = 0.5  # the painted weight that changes nothing
 
 
-def make_cutout(rest: Array, triangles: Indices, parts: Indices, painted: Array | None = None) -> Cutout:
+def make_cutout(
+    rest: Array,
+    triangles: Indices,
+    parts: Indices,
+    painted: Array | None = None,
+    cage: int | None = None,
+) -> Cutout:
     """A cutout of n x 2 rest positions; clockwise triangles are turned (for the solve only).
 
     `painted` (n,) are the vertices' weights of stiffness, 0 to 1, None where nothing is painted.
     """
     stiffness = None if painted is None else stiffness_of(painted, triangles)
-    return Cutout(rest, oriented(rest, triangles), parts, diagonal_of(rest), stiffness)
+    return Cutout(rest, oriented(rest, triangles), parts, diagonal_of(rest), stiffness, cage)
 
 
 def stiffness_of(painted: Array, triangles: Indices) -> Array:
@@ -76,17 +95,19 @@ def connected_parts(count: int, cells: Indices) -> Indices:
 
     `cells` are edges k x 2 or triangles k x 3.
 
-    Each round hooks every edge's larger root below the smaller one and flattens the trees, which takes
-    O(log n) rounds of whole-array operations in practice.
+    Each round hooks the larger root of every edge between two trees below the smaller one and flattens the
+    trees, which takes O(log n) rounds of whole-array operations in practice.
     """
     root = np.arange(count, dtype=np.int32)
-    edges = np.concatenate([cells[:, [i, i + 1]] for i in range(cells.shape[1] - 1)])
+    starts, ends = cells[:, :-1].T.ravel(), cells[:, 1:].T.ravel()
     while True:
-        ends = root[edges]
-        low, high = ends.min(axis=1), ends.max(axis=1)
-        if np.array_equal(low, high):
+        one, other = root[starts], root[ends]
+        between = np.flatnonzero(one != other)
+        if not len(between):
             break
-        np.minimum.at(root, high, low)
+        one, other, starts, ends = one[between], other[between], starts[between], ends[between]
+        np.minimum.at(root, np.maximum(one, other), np.minimum(one, other))
         while not np.array_equal(root[root], root):
             root = root[root]
-    return np.unique(root, return_inverse=True)[1].astype(np.int32)
+    parts: Indices = (np.cumsum(root == np.arange(count), dtype=np.int32) - 1)[root]
+    return parts

@@ -14,6 +14,7 @@ Indices = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 AXES = "XYZ"
+FEW = 64  # triangles that are asked first for an area
 # The two object axes that span the plane, by the axis its normal is nearest to: X right and Z up for a
 # drawing that faces the front view, as in Blender's own views.
 SPANNING = {0: (1, 2), 1: (0, 2), 2: (0, 1)}
@@ -54,25 +55,41 @@ class PlaneFrame:
         return PlaneFrame(self.u, -self.v, -self.n, self.letters)
 
 
-def plane_frame(points: Array, triangles: Indices, linear: Array) -> PlaneFrame | None:
+def plane_frame(points: Array, parts: Indices, triangles: Indices, linear: Array) -> PlaneFrame | None:
     """The frame of a mesh of k x 3 object-local points seen through a 3 x 3 linear transform.
 
-    The normal is the area-weighted mean of the triangles', all turned to the side of the largest one, so that
-    a mixed winding does not cancel; None when every triangle has zero area. The axes do not depend on the
-    winding.
+    Its parts (k,), which may lie in parallel planes, tell the normal: across it they reach least. None when
+    every triangle has zero area, or the points are not numbers. The axes do not depend on the winding.
     """
-    x, y, z = np.ascontiguousarray(points.T)
-    i, j, k = np.ascontiguousarray(triangles.T)
-    ax, ay, az = x[j] - x[i], y[j] - y[i], z[j] - z[i]
-    bx, by, bz = x[k] - x[i], y[k] - y[i], z[k] - z[i]
-    areas = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-    sizes = (areas * areas).sum(axis=0)
-    if not len(sizes) or not sizes.max() > 0.0:
+    if not np.isfinite(points).all() or not (_covers(points, triangles[:FEW]) or _covers(points, triangles)):
         return None
-    largest = areas[:, int(np.argmax(sizes))]
-    sides = np.where((areas * largest[:, None]).sum(axis=0) < 0.0, -1.0, 1.0)
-    normal = (areas * sides).sum(axis=1)
-    return frame_across(normal / np.linalg.norm(normal), linear)
+    return frame_across(spread(about_part_means(points, parts))[2], linear)
+
+
+def _covers(points: Array, triangles: Indices) -> bool:
+    """Whether any triangle has an area."""
+    first, second, third = (points[corner] for corner in triangles.T)
+    return bool(np.cross(second - first, third - first).any())
+
+
+def about_part_means(points: Array, parts: Indices) -> Array:
+    """k x 3 points about the means of their parts (k,)."""
+    result: Array = points - part_means(points, parts)[parts]
+    return result
+
+
+def part_means(values: Array, parts: Indices) -> Array:
+    """The mean of n values, or n x d, in each part; 0 where a part has none."""
+    counts = np.maximum(np.bincount(parts), 1)
+    means = [np.bincount(parts, weights=column) / counts for column in np.atleast_2d(values.T)]
+    result: Array = np.stack(means, axis=-1)
+    return result if values.ndim == 2 else result[:, 0]
+
+
+def spread(points: Array) -> tuple[Array, Array, Array]:
+    """How far k x 3 points reach from the origin (3,), along the axis of most and the axis of least reach."""
+    squares, axes = np.linalg.eigh(np.einsum("ki,kj->ij", points, points))
+    return np.sqrt(np.maximum(squares[::-1], 0.0)), axes[:, 2], axes[:, 0]
 
 
 def frame_across(normal: Array, linear: Array) -> PlaneFrame:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .frame import Array, Indices
+from .frame import Array, Indices, Mask
 
 # A point this far outside a triangle (in barycentric weight) still counts as inside: rounding on shared
 # edges.
@@ -38,13 +38,15 @@ def nearest_point(positions: Array, triangles: Indices, place: Array, among: Ind
     """
     if not len(among):
         return None
+    around = among[_around(positions, triangles[among], place)]
+    if len(around):
+        weights = barycentric(positions[triangles[around]], place)
+        depth = weights.min(axis=1)
+        best = int(np.argmax(depth))
+        if depth[best] >= INSIDE:
+            inside = np.clip(weights[best], 0.0, 1.0)
+            return MeshPoint(int(around[best]), inside / inside.sum())
     corners = positions[triangles[among]]
-    weights = barycentric(corners, place)
-    depth = weights.min(axis=1)
-    best = int(np.argmax(depth))
-    if depth[best] >= INSIDE:
-        inside = np.clip(weights[best], 0.0, 1.0)
-        return MeshPoint(int(among[best]), inside / inside.sum())
     starts, ends = corners, corners[:, [1, 2, 0]]
     sides = ends - starts
     lengths = np.einsum("ijk,ijk->ij", sides, sides)
@@ -55,6 +57,17 @@ def nearest_point(positions: Array, triangles: Indices, place: Array, among: Ind
     result = np.zeros(3)
     result[side], result[(side + 1) % 3] = 1.0 - share[row, side], share[row, side]
     return MeshPoint(int(among[row]), result, float(np.linalg.norm(gaps[row, side])))
+
+
+def _around(positions: Array, triangles: Indices, place: Array) -> Mask:
+    """Which triangles (mask m) have the place within their bounding boxes; all that it is inside of do."""
+    found = np.ones(len(triangles), bool)
+    for column, value in zip(positions.T, place, strict=True):
+        rounding = -INSIDE * float(np.ptp(column))
+        for beside in (column <= value + rounding, column >= value - rounding):
+            first, second, third = (beside[corner] for corner in triangles.T)
+            found &= first | second | third
+    return found
 
 
 def barycentric(corners: Array, place: Array) -> Array:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .frame import Array, Indices
+from .frame import Array, Indices, about_part_means, spread
 
 STRAIGHT = 1e-4  # of their length: points this near to a line have no plane of their own
 FLAT = 1e-3  # the same of a plane that several shapes have to share
@@ -20,29 +20,16 @@ def plane_normal(shown: Array, others: Iterable[Array], parts: Indices) -> Array
     plane is the one that other shapes, read only then, share with them; or else the one in which they lie
     beside one another; or else the one they share with two of the object's axes, XY before XZ before YZ.
     """
-    arms = _about_part_means(shown, parts)
-    sizes, longest, normal = _spread(arms)
+    arms = about_part_means(shown, parts)
+    sizes, longest, normal = spread(arms)
     if sizes[1] > STRAIGHT * sizes[0]:
         return normal
-    together = np.concatenate([arms, *(_about_part_means(shape, parts) for shape in others)])
+    together = np.concatenate([arms, *(about_part_means(shape, parts) for shape in others)])
     for points in (together, shown - shown.mean(axis=0)):
-        sizes, longest, normal = _spread(points)
+        sizes, longest, normal = spread(points)
         if sizes[1] > STRAIGHT * sizes[0] and sizes[2] <= FLAT * sizes[0]:
             return normal
     direction = longest if sizes[0] > 0.0 else np.zeros(3)
     across = next(axis for axis in (2, 1, 0) if abs(direction[axis]) <= np.sqrt(0.5))
     result: Array = np.eye(3)[across] - direction * direction[across]
     return result / np.linalg.norm(result)
-
-
-def _about_part_means(points: Array, parts: Indices) -> Array:
-    counts = np.bincount(parts)
-    means = np.stack([np.bincount(parts, weights=column) / counts for column in points.T], axis=1)
-    result: Array = points - means[parts]
-    return result
-
-
-def _spread(points: Array) -> tuple[Array, Array, Array]:
-    """How far k x 3 points reach from the origin (3,), along the axis of most and the axis of least reach."""
-    squares, axes = np.linalg.eigh(np.einsum("ki,kj->ij", points, points))
-    return np.sqrt(np.maximum(squares[::-1], 0.0)), axes[:, 2], axes[:, 0]

@@ -75,8 +75,7 @@ class Holder:
         if self._point is not None:
             return np.array([self._point.triangle], np.int32), self._point.weights[None, :]
         # A patch holds vertices: each as a corner of some triangle it belongs to.
-        first = _first_corner(self.cutout.triangles)
-        corners = first[self.pin.vertices]
+        corners = self.cutout.first_corners[self.pin.vertices]
         weights = np.zeros((len(corners), 3))
         weights[np.arange(len(corners)), corners % 3] = 1.0
         return (corners // 3).astype(np.int32), weights
@@ -107,15 +106,16 @@ def turned(offsets: Array, angle: float) -> Array:
     return flat if offsets.shape[-1] == 2 else np.concatenate([flat, offsets[..., 2:]], axis=-1)
 
 
-def _first_corner(triangles: Indices) -> Indices:
-    corners = np.zeros(int(triangles.max()) + 1, np.int32)
-    flat = triangles.ravel()
-    corners[flat[::-1]] = np.arange(flat.size - 1, -1, -1, dtype=np.int32)
-    return corners
-
-
 def _point_at(pin: Pin, shares: Array, centre: Array, cutout: Cutout) -> MeshPoint:
-    """The mesh point of a point pin: the group's weighted centre on the rest shape.
+    """The mesh point of a point pin, looked for once in a cutout."""
+    asked = pin.vertices.tobytes() + shares.tobytes()
+    if asked not in cutout.found:
+        cutout.found[asked] = _find_point(pin, shares, centre, cutout)
+    return cutout.found[asked]
+
+
+def _find_point(pin: Pin, shares: Array, centre: Array, cutout: Cutout) -> MeshPoint:
+    """The group's weighted centre on the rest shape.
 
     A group that fits into one triangle gives its weights directly, which is exact; any other is looked up in
     the connected parts it touches, and the nearest point of those is taken where the centre lies outside of
@@ -123,13 +123,13 @@ def _point_at(pin: Pin, shares: Array, centre: Array, cutout: Cutout) -> MeshPoi
     """
     triangles = cutout.triangles
     if len(pin.vertices) <= 3:
-        inside = np.logical_and.reduce([(triangles == vertex).any(axis=1) for vertex in pin.vertices])
-        if inside.any():
-            triangle = int(np.argmax(inside))
+        about = np.flatnonzero(triangles.ravel() == pin.vertices[0]) // 3
+        inside = [triangle for triangle in about.tolist() if set(pin.vertices) <= set(triangles[triangle])]
+        if inside:
             weights = np.zeros(3)
             for vertex, share in zip(pin.vertices, shares, strict=True):
-                weights[np.flatnonzero(triangles[triangle] == vertex)[0]] = share
-            return MeshPoint(triangle, weights)
+                weights[np.flatnonzero(triangles[inside[0]] == vertex)[0]] = share
+            return MeshPoint(inside[0], weights)
     parts = np.unique(cutout.parts[pin.vertices])
     among = np.flatnonzero(np.isin(cutout.parts[triangles[:, 0]], parts)).astype(np.int32)
     nearest = nearest_point if cutout.rest.shape[1] == 2 else nearest_in_space

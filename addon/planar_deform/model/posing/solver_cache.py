@@ -50,11 +50,11 @@ def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array)
 
     It is always reset, so that a posing gives the same bits whether or not the solver was there before.
     """
-    rest, triangles, stiffness = cutout.rest, cutout.triangles, cutout.stiffness
+    rest, triangles, stiffness, cage = cutout.rest, cutout.triangles, cutout.stiffness, cutout.cage
     poser = kept(
         key,
-        (method, triangles, rest, stiffness),
-        lambda: native.Poser(rest, triangles, method=method, stiffness=stiffness),
+        (method, triangles, rest, stiffness, cage),
+        lambda: native.Poser(rest, triangles, method=method, stiffness=stiffness, cage=cage),
     )
     poser.reset(positions)
     return poser
@@ -69,6 +69,7 @@ def clear() -> None:
 def _same(a: Recipe, b: Recipe) -> bool:
     """Whether two recipes are equal; arrays are never equal to anything else."""
     return len(a) == len(b) and all(
-        isinstance(one, np.ndarray) == isinstance(other, np.ndarray) and np.array_equal(one, other)
+        one is other
+        or (isinstance(one, np.ndarray) == isinstance(other, np.ndarray) and np.array_equal(one, other))
         for one, other in zip(a, b, strict=True)
     )

@@ -8,6 +8,7 @@ step on the same solver. Whoever asks gets the newest that there is; nothing her
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 
@@ -16,6 +17,11 @@ from .posing import Posing, Sample, Solved
 # Seconds that the mouse has to rest before the drawing is refined: a refinement under way would keep the next
 # movement of the mouse waiting.
 REST = 0.03
+
+
+# Seconds for which an event may wait for its own shape, where that comes as quickly as the last one did: a
+# redraw, which would keep it waiting, mostly takes longer.
+MOMENT = 0.025
 
 
 class StoppedError(RuntimeError):
@@ -41,6 +47,7 @@ class Solving:
         self._stopped = False
         self._error: Exception | None = None
         self._solved: Solved | None = None  # not yet shown
+        self._took = float("inf")  # seconds that the last sample took
         self._seen: Callable[[Solved], None] | None = None
         self._thread: threading.Thread | None = None
 
@@ -83,6 +90,11 @@ class Solving:
         with self._changed:
             return self._owing
 
+    def at_once(self, sample: Sample) -> bool:
+        """As ask(), and wait for it where that takes but a moment; whether it is solved."""
+        self.ask(sample)
+        return self._took < MOMENT and self.wait(MOMENT)
+
     @property
     def left(self) -> int:
         """How many samples of a path have not been begun."""
@@ -122,9 +134,11 @@ class Solving:
             before.end()
         try:
             while (sample := self._next()) is not None:
+                began = time.perf_counter()
                 self._posing.move(*sample)
                 solved = self._posing.solved()
                 with self._changed:
+                    self._took = time.perf_counter() - began
                     if self._seen is not None and not self._restart:
                         self._seen(solved)
                     self._solved = solved

@@ -20,6 +20,7 @@ from ...scene.flatten import pushing
 from ...scene.lattice.posed import begin_posing
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
+from ...scene.objects.cutout_object import CutoutObject
 from ...scene.pins import pin_list, pose_holding
 from ...scene.view import snapshot
 from .. import keying
@@ -85,7 +86,9 @@ class ObjectPosing:
         self._off: list[Holder] = []
         self._moving = selection_on_press(self._selected_before, pressed, extend)
         self._settling = settling
-        self._unheld = pose_holding.unheld(obj, self._distortion) if obj.type == "MESH" else None
+        drawing, self._unheld = self.drawing, None
+        if isinstance(drawing, CutoutObject):
+            self._unheld = pose_holding.unheld(obj, lambda: drawing.distortion)
         self._uv_told: str | None = None
         self._uv = self._followed_uv(obj)
         self._pivot = (
@@ -184,6 +187,7 @@ class ObjectPosing:
             and (keyed := keying.auto_key(bpy.context)) is not None
         ):
             told.append(keyed)
+        bpy.context.view_layer.update()  # while it is known to be ours
         return ". ".join(told) or None
 
     def cancel(self) -> None:
@@ -204,10 +208,6 @@ class ObjectPosing:
         after = selection_on_click(self._selected_before, self._pressed, self._extend)
         self._select(after)
         return after != self._selected_before or self._active_before != self._pressed
-
-    def _distortion(self) -> native.Distortion:
-        cutout = self.drawing.cutout
-        return native.distortion(cutout.rest, self.drawing.positions, cutout.triangles)
 
     def _write(self, positions: Array) -> None:
         self._wrote = True

@@ -18,6 +18,7 @@ from ... import native
 from ...errors import ObjectGone, Refusal, try_all
 from ...model.posing.posing import Sample, Solved
 from ...model.posing.solving import Solving, StoppedError
+from ...scene import follow
 from ...scene.view import snapshot
 from . import reports, running
 from .object_posing import NOTICED, ObjectPosing
@@ -50,9 +51,13 @@ class Session:
         put_up(context, keys)
 
     def ask(self, sample: Sample) -> None:
-        """Go to a sample, without those asked for before if there is no time for them."""
+        """Go to a sample, without those asked for before if there is no time for them.
+
+        Shows it at once where that takes but a moment. Raises as show().
+        """
         self._complete = False
-        self._thread.ask(sample)
+        if self._thread.at_once(sample):
+            self.show()
 
     def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
         """Go along this path from the start instead; the thread tells `seen` of each sample."""
@@ -280,6 +285,9 @@ class Interactive:
         told = session.posing.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
+        obj = bpy.data.objects.get(session.posing.drawing.object_name)
+        if obj is not None:
+            follow.match(obj)  # what Blender has told of it was put off by the drag
         reports.inform(self, told)
         return {"FINISHED"}
 

@@ -56,6 +56,7 @@ class Plan:
     places: PinPlaces | None  # of a lattice's pins
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
+    cage: int | None = None  # see storage/cage.py
     # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
     # shapes stay, and what there was.
     entries: list[Entry] = field(default_factory=list)
@@ -94,6 +95,7 @@ class Plan:
             anchor_path="arc" if self.path == "ARC" else "straight",
             joints=joined,
             smooth=self.smooth,
+            cage=self.cage,
             progress=progress,
         )
         if self.places is None:

@@ -30,6 +30,7 @@ from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
 from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
 from ..storage import changes
+from ..storage.cage import cage_of
 from ..storage.points import read_block
 from .plan import Plan
 
@@ -143,6 +144,7 @@ def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], t
         places=places,
         path=obj.planar.anchor_path,
         smooth=obj.planar.smooth,
+        cage=cage_of(obj),
     )
 
 

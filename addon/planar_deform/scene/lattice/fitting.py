@@ -19,6 +19,7 @@ from ..objects.flat_object import data_refusal, is_flat, linear_of, origin_of
 from ..objects.modifiers import lattices_of, of_lattice
 from ..objects.pose_store import store_of
 from ..objects.triangulation import Faces, faces_of
+from ..storage import vertex_groups
 from ..storage.vertex_groups import members
 
 
@@ -60,7 +61,7 @@ def plane_of(objects: Sequence[bpy.types.Object]) -> Quaternion | None:
     for obj in objects:
         (places, faces), linear = _read(obj), linear_of(obj)
         if frame is None:
-            frame = plane_frame(places, faces.triangles, linear)
+            frame = plane_frame(places, faces.parts, faces.triangles, linear)
         if frame is None or not is_flat(frame, mapped(places, linear), faces.parts):
             return None
     assert frame is not None  # there is an object
@@ -134,11 +135,9 @@ def _copy_group(source: bpy.types.Object, obj: bpy.types.Object, name: str) -> N
     for vertex in source.data.vertices:
         tree.insert(source.matrix_world @ vertex.co, vertex.index)
     tree.balance()
-    group = obj.vertex_groups.new(name=name)
-    for vertex in obj.data.vertices:
-        nearest = tree.find(obj.matrix_world @ vertex.co)[1]
-        if weights[nearest] > 0.0:
-            group.add([vertex.index], weights[nearest], "REPLACE")
+    nearest = [tree.find(obj.matrix_world @ vertex.co)[1] for vertex in obj.data.vertices]
+    copied = weights[nearest]
+    vertex_groups.fill(obj.vertex_groups.new(name=name), np.flatnonzero(copied > 0.0), copied[copied > 0.0])
 
 
 def modifiers_of(lattice: bpy.types.Object) -> Iterable[tuple[bpy.types.Object, bpy.types.Modifier]]:

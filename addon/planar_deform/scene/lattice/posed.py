@@ -10,7 +10,6 @@ import bpy
 from ...errors import Refusal
 from ..objects import cutout_object
 from ..objects.cutout_object import CutoutObject
-from ..objects.cutout_reading import read
 from ..objects.flat_object import make_current
 from ..objects.lattice_object import lattice_refusal
 from .posed_lattice import PosedLattice
@@ -60,4 +59,4 @@ def read_posed(
     assert obj is not None
     if obj.type == "LATTICE":
         return PosedLattice(obj, read_rig(obj, drawn=drawn), unkeyed=unkeyed, facing=facing)
-    return CutoutObject(obj, read(obj, unkeyed=unkeyed))
+    return cutout_object.made_of(obj, unkeyed=unkeyed)

@@ -19,6 +19,7 @@ from ..objects.lattice_object import space_refusal
 from ..pins import pin_list
 from ..sequence import playback, pose_curve, pose_edit, pose_showing, pose_state, stretches
 from ..sequence.pose_blocks import played
+from ..storage import vertex_groups
 from ..storage.points import read_block
 from ..storage.vertex_groups import members
 
@@ -135,11 +136,9 @@ def _pin_alike(source: bpy.types.Object, obj: bpy.types.Object) -> None:
     """Give an object without pins those of another one that is built alike: it can be posed on at once."""
     groups = members(source, pin_list.groups_of(source))
     for pin in source.planar.pins:
-        rows, weights = groups.get(pin.group, ((), ()))
-        copy = pin_list.add_on_vertices(obj, [int(row) for row in rows], pin.kind)
-        group = obj.vertex_groups[copy.group]
-        for row, weight in zip(rows, weights, strict=True):
-            group.add([int(row)], float(weight), "REPLACE")
+        rows, weights = groups.get(pin.group, pin_list.NOBODY)
+        copy = pin_list.add_on_vertices(obj, rows.tolist(), pin.kind)
+        vertex_groups.fill(obj.vertex_groups[copy.group], rows, weights)
         for name in ("name", "enabled", "weight"):
             setattr(copy, name, getattr(pin, name))
     obj.planar.active_pin = source.planar.active_pin

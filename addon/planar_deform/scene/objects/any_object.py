@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from typing import Protocol
 
 import bpy
@@ -14,7 +14,6 @@ from ..sequence import playback, pose_edit
 from ..storage import points
 from . import cutout_object
 from .cutout_object import CutoutObject
-from .cutout_reading import read
 from .flat_object import make_current
 from .lattice_object import LatticeObject, lattice_refusal
 from .line_object import LineObject, outline_refusal
@@ -60,7 +59,7 @@ def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> AnyObj
     assert obj is not None
     if obj.type == "LATTICE":
         return LatticeObject(obj, unkeyed)
-    return LineObject(obj, unkeyed) if is_outline(obj) else CutoutObject(obj, read(obj, unkeyed=unkeyed))
+    return LineObject(obj, unkeyed) if is_outline(obj) else cutout_object.made_of(obj, unkeyed=unkeyed)
 
 
 class Keyable(Protocol):
@@ -77,11 +76,22 @@ class Keyable(Protocol):
 
 
 def key_poses(drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False) -> None:
-    """Key poses: positions of the drawing by frame, as pose_edit.put_coordinates() does it.
+    """Do all of keying()."""
+    playback.run(keying(drawing, shapes, throughout=throughout))
 
-    `drawing` is used up by this. Raises Refusal and ObjectGone, with nothing changed.
+
+def keying(
+    drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False
+) -> Generator[float, None, None]:
+    """Key poses: positions of the drawing by frame, as pose_edit.put_coordinates() does it, step by step.
+
+    `drawing` is used up by this. Yields the share done; closed before its end, everything is as it was.
+    Raises Refusal and ObjectGone, with nothing changed.
     """
-    obj = drawing.resolve()
-    coordinates = {frame: drawing.coordinates(positions) for frame, positions in shapes.items()}
-    steps = pose_edit.put_coordinates(obj, coordinates, drawing.rest_coordinates(), throughout=throughout)
-    playback.run(steps)
+    obj, coordinates = drawing.resolve(), {}
+    for done, (frame, positions) in enumerate(shapes.items(), 1):
+        coordinates[frame] = drawing.coordinates(positions)
+        yield 0.5 * done / len(shapes)
+    rest = drawing.rest_coordinates()
+    for share in pose_edit.put_coordinates(obj, coordinates, rest, throughout=throughout):
+        yield 0.5 + 0.5 * share

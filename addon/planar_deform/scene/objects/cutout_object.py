@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from copy import copy
 from dataclasses import dataclass
 
@@ -12,7 +13,7 @@ import numpy as np
 from ... import native
 from ...errors import Refusal
 from ...model.plane.cutout import Cutout, diagonal_of, make_cutout, signed_areas
-from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped, plane_frame
+from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped, part_means, plane_frame
 from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, fitted
 from ...model.posing import solver_cache
@@ -21,11 +22,16 @@ from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness
 from .cutout_reading import CutoutReading, RestOnFaces, read
-from .flat_object import FlatObject, data_refusal, is_flat, linear_of, make_current, origin_of, part_means
+from .flat_object import FlatObject, data_refusal, is_flat, linear_of, make_current, origin_of
 from .pose_store import OwnStore
 
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
+MOST_SIDES = 10_000  # triangles that tell, spread over a dense drawing, whether it has been turned over
+CAPACITY = 8  # objects; what is kept of one of 100k vertices takes some 30 MB
+
+
+_latest: OrderedDict[int, CutoutObject] = OrderedDict()  # by session_uid, what was read last at the end
 
 
 def pose_refusal(obj: bpy.types.Object | None, mode: str = "OBJECT") -> str | None:
@@ -71,7 +77,25 @@ def read_cutout(obj: bpy.types.Object | None, *, unkeyed: bool = False, mode: st
     if reason is not None:
         raise Refusal(reason)
     assert obj is not None
-    return CutoutObject(obj, read(obj, unkeyed=unkeyed))
+    return made_of(obj, unkeyed=unkeyed)
+
+
+def made_of(obj: bpy.types.Object, *, unkeyed: bool = False) -> CutoutObject:
+    """The cutout of a mesh that nothing speaks against. Raises Refusal; changes nothing.
+
+    What follows from what is still as it was when the mesh was last read, to the bit, is not made again.
+    """
+    before = _latest.pop(obj.session_uid, None)
+    reading = read(obj, unkeyed=unkeyed, before=None if before is None else before.reading)
+    drawing = _latest[obj.session_uid] = CutoutObject(obj, reading, before)
+    if len(_latest) > CAPACITY:
+        _latest.popitem(last=False)
+    return drawing
+
+
+def forget() -> None:
+    """Keep none."""
+    _latest.clear()
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,16 +106,19 @@ class _FlatRest:
     world: Array  # n x 3 in world-linear space
     frame: PlaneFrame
     flat: Array  # n x 2
-    whole: Mask  # m, triangles whose corners are all known
-    areas: Array  # of those
+    sides: Indices  # triangles whose corners are all known, MOST_SIDES of them at most
+    areas: Array  # of these
 
 
 class CutoutObject(FlatObject):
     """A mesh object as a cutout. Indices are those of the cutout: vertices of faces, in the mesh's order."""
 
     cutout: Cutout
+    reading: CutoutReading
     known: Mask  # n, vertices that have a rest of their own; others were added by an edit
     stiffness_stamp: str  # of the painting that the cutout's stiffness comes from
+    _turned_over: bool
+    _distortion: native.Distortion | None = None  # of the shape shown, once it has been asked for
 
     def __init__(
         self, obj: bpy.types.Object, reading: CutoutReading, before: CutoutObject | None = None
@@ -101,13 +128,14 @@ class CutoutObject(FlatObject):
         if before is not None and not np.array_equal(before._linear, self._linear):
             before = None
         self._in_mesh = isinstance(self._store, OwnStore)
-        self._reading, self._rest_written = reading, False
+        self.reading, self._rest_written = reading, False
         # Stored with the first pose where there is no pin yet, or the shape keys that held it are gone.
         self._rest_after = reading.rest.shape if reading.stored is None else None
         faces = reading.rest.faces
         triangles, parts = faces.triangles, faces.parts
         shown = self._take_points(obj, faces.vertices, parts)
-        if before is not None and self._shows_as(before):
+        stays = before is not None and self._shows_as(before)
+        if before is not None and stays:
             self.frame, self.positions, self._depths = before.frame, before.positions, before._depths
         else:
             world = mapped(shown, self._linear)
@@ -116,21 +144,25 @@ class CutoutObject(FlatObject):
         self.known = known.copy()
         self._rest = self._flat_rest(rest, known, shown, before)
         # Rest and pose are seen from the same side, however the mesh has been turned over in between.
-        shown_sides = np.sign(signed_areas(self.positions, triangles[self._rest.whole]))
-        self._turned_over = bool((self._rest.areas * shown_sides).sum() < 0.0)
+        if before is not None and stays and self._rest is before._rest:
+            self._turned_over = before._turned_over
+        else:
+            shown_sides = np.sign(signed_areas(self.positions, self._rest.sides))
+            self._turned_over = bool((self._rest.areas * shown_sides).sum() < 0.0)
         if before is not None and self._has_cutout_of(before):
             self.cutout, self.stiffness_stamp = before.cutout, before.stiffness_stamp
+            self._distortion = before._distortion if stays else None
             return
         positions = self._rest_positions(rest, known, shown)
         self.stiffness_stamp = stiffness.stamp(reading.painted)
         painted = None if reading.painted is None else reading.painted[self.vertex_indices]
-        self.cutout = make_cutout(positions, triangles, parts, painted)
+        self.cutout = make_cutout(positions, triangles, parts, painted, reading.cage)
 
-    def carried(self, obj: bpy.types.Object) -> CutoutObject | None:
-        """The same cutout where its object is by now; None if that has been more than moved since."""
+    def carried(self, obj: bpy.types.Object) -> CutoutObject:
+        """The same cutout where its object, whose mesh is what it was, is by now. Raises Refusal."""
         origin = origin_of(obj)
         if not np.array_equal(self._linear, linear_of(obj)) or not np.isfinite(origin).all():
-            return None
+            return CutoutObject(obj, self.reading, self)
         carried = copy(self)
         carried.object_name, carried._origin = obj.name, origin
         return carried
@@ -151,6 +183,13 @@ class CutoutObject(FlatObject):
     def diagonal(self) -> float:
         """Of the rest shape's bounding box."""
         return self.cutout.diagonal
+
+    @property
+    def distortion(self) -> native.Distortion:
+        """Of the shape shown."""
+        if self._distortion is None:
+            self._distortion = native.distortion(self.rest, self.positions, self.faces)
+        return self._distortion
 
     def rest_place(self, place: Array) -> Array:
         """Where an object-local position (3,) of the rest shape is in `rest` (2,)."""
@@ -230,7 +269,7 @@ class CutoutObject(FlatObject):
 
     def rest_coordinates(self) -> Array32:
         """The mesh's coordinates, count x 3 float32 and object-local, at rest."""
-        rest = self._reading.stored if self._rest_after is None else self._rest_after
+        rest = self.reading.stored if self._rest_after is None else self._rest_after
         assert rest is not None
         return rest
 
@@ -248,7 +287,7 @@ class CutoutObject(FlatObject):
         if self._in_mesh:
             rest_shape.see(self.resolve().data, self._store.begin)
         if self._rest_written:
-            rest_shape.put_back(self.resolve().data, self._reading.stored, self._reading.owners)
+            rest_shape.put_back(self.resolve().data, self.reading.stored, self.reading.owners)
             self._rest_written = False
 
     def _put(self, shape: Array32) -> None:
@@ -263,9 +302,9 @@ class CutoutObject(FlatObject):
 
     def _known_rest(self, shown: Array) -> tuple[Array, Mask]:
         """The rest n x 3, and where it is known (n): edits of the mesh leave vertices without one."""
-        stored, owners = self._reading.rest, self._reading.owners
+        stored, owners = self.reading.rest, self.reading.owners
         rest = stored.coordinates.astype(np.float64)
-        known = np.isfinite(rest).all(axis=1)
+        known = np.ones(len(rest), bool) if np.isfinite(rest).all() else np.isfinite(rest).all(axis=1)
         known &= ~copied_along_edges(stored.coincident_edges, shown, SAME_PLACE * diagonal_of(shown))
         if owners is not None:
             self._take_in_parts(rest, owners[self.vertex_indices], stored.copied_parts, shown, known)
@@ -287,32 +326,35 @@ class CutoutObject(FlatObject):
 
     def _flat_rest(self, rest: Array, known: Mask, shown: Array, before: CutoutObject | None) -> _FlatRest:
         """The rest in its plane; where nothing of it is known, it becomes what is shown."""
-        stored = self._reading.rest if known.all() else None
+        stored = self.reading.rest if known.all() else None
         if stored is not None and not np.array_equal(rest, stored.coordinates):
             stored = None
         if stored is not None and before is not None and before._rest.stored is stored:
             return before._rest
         if not known.any():
             rest[:], known[:] = shown, True
-        triangles = self._reading.rest.faces.triangles
+        triangles = self.reading.rest.faces.triangles
         world = mapped(rest, self._linear)
         frame = _flat_frame(rest, world, triangles, self.parts, self._linear, "Its rest shape does", known)
         flat = frame.flatten(world)
-        whole = known[triangles].all(axis=1)
-        return _FlatRest(stored, world, frame, flat, whole, signed_areas(flat, triangles[whole]))
+        if not known.all():
+            triangles = triangles[known[triangles].all(axis=1)]
+        sides = triangles[:: 1 + len(triangles) // MOST_SIDES]
+        return _FlatRest(stored, world, frame, flat, sides, signed_areas(flat, sides))
 
     def _has_cutout_of(self, before: CutoutObject) -> bool:
-        """Whether that has the same rest, faces and stiffness, to the bit."""
+        """Whether that has the same rest, faces and stiffness, to the bit, and is solved alike."""
         return (
             self._rest.stored is not None
             and self._rest is before._rest
             and self._turned_over == before._turned_over
-            and self._reading.painted is before._reading.painted
+            and self.reading.painted is before.reading.painted
+            and self.reading.cage == before.reading.cage
         )
 
     def _shows_as(self, before: CutoutObject) -> bool:
         """Whether that has the same shape and faces, to the bit."""
-        mine, other = self._reading, before._reading
+        mine, other = self.reading, before.reading
         return mine.shown is other.shown and mine.rest.faces is other.rest.faces
 
     def _rest_positions(self, rest: Array, known: Mask, shown: Array) -> Array:
@@ -324,7 +366,7 @@ class CutoutObject(FlatObject):
         if not known.all():
             depths = frame.depth(self._rest.world)
             flat = np.where(known[:, None], flat, 0.0)
-            flat = completed(flat, self.positions, self._reading.rest.faces.triangles, known)
+            flat = completed(flat, self.positions, self.reading.rest.faces.triangles, known)
             counts = np.bincount(parts, weights=known)
             sums = np.bincount(parts[known], weights=depths[known], minlength=len(counts))
             own = part_means(frame.depth(mapped(shown, self._linear)), parts)
@@ -332,7 +374,7 @@ class CutoutObject(FlatObject):
             placed = mapped(frame.lift(flat) + np.outer(depth, frame.n), self._inverse)
             rest[~known] = placed[~known]
         if self._rest.stored is None and self._in_mesh:
-            self._rest_after = self._reading.rest.shape.copy()
+            self._rest_after = self.reading.rest.shape.copy()
             self._rest_after[self.vertex_indices] = rest
         return flat
 
@@ -347,13 +389,13 @@ def _flat_frame(
     known: Mask | None = None,
 ) -> PlaneFrame:
     """The frame of points whose parts lie in parallel planes. Raises Refusal where they do not."""
-    if known is None:
-        known = np.ones(len(points), bool)
-    chosen = triangles[known[triangles].all(axis=1)]
-    frame = plane_frame(points, chosen, linear)
+    if known is not None and not known.all():
+        triangles = (np.cumsum(known) - 1)[triangles[known[triangles].all(axis=1)]]
+        points, world, parts = points[known], world[known], parts[known]
+    frame = plane_frame(points, parts, triangles, linear)
     if frame is None:
         raise Refusal(f"{subject} not cover any area: give the drawing some, or use Set as Rest")
-    if not is_flat(frame, world, parts, known):
+    if not is_flat(frame, world, parts):
         raise Refusal(
             f"{subject} not lie in parallel planes: flatten the mesh (scale it to 0 along its normal), "
             "then use Set as Rest"

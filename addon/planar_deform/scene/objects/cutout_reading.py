@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,8 +11,7 @@ import numpy as np
 
 from ...model.plane.frame import Array, Array32, Indices
 from ...model.plane.rest import coincident_edges, copied_parts
-from ..storage import points, vertex_groups
-from ..storage.vertex_groups import Members
+from ..storage.cage import cage_of
 from . import rest_shape, stiffness, triangulation
 from .pose_store import PoseStore, store_of
 from .triangulation import Faces
@@ -55,25 +53,20 @@ class CutoutReading:
     owners: Indices | None  # of each vertex's stored rest (count,)
     rest: RestOnFaces  # that one or, where there is none, the shape that would be posed
     painted: Array | None  # the stiffness painted on each vertex (count,)
-    groups: dict[str, Members]  # of the vertex groups asked for
+    cage: int | None  # see storage/cage.py
 
 
 def read(
-    obj: bpy.types.Object,
-    *,
-    unkeyed: bool = False,
-    groups: Iterable[str] = (),
-    before: CutoutReading | None = None,
+    obj: bpy.types.Object, *, unkeyed: bool = False, before: CutoutReading | None = None
 ) -> CutoutReading:
-    """Read a mesh that can be posed, and these of its vertex groups. Raises Refusal; changes nothing."""
+    """Read a mesh that can be posed. Raises Refusal; changes nothing."""
     mesh = obj.data
     store = store_of(obj, unkeyed)
     stored = rest_shape.basis_or_stored(obj)
     owners = None if stored is None or mesh.shape_keys is not None else rest_shape.owners_of(mesh)
     shape = store.begin if stored is None else stored
     rest = RestOnFaces(shape, triangulation.faces_of(mesh, shape))
-    members = vertex_groups.members(obj, {*groups, obj.planar.stiffness_group})
-    painted = stiffness.spread(members.get(obj.planar.stiffness_group), points.count(obj))
+    painted = stiffness.painted(obj)
     shown = store.shown
     if before is not None:
         if np.array_equal(shown, before.shown):
@@ -82,4 +75,4 @@ def read(
             rest = before.rest
         if painted is not None and before.painted is not None and np.array_equal(painted, before.painted):
             painted = before.painted
-    return CutoutReading(store, shown, stored, owners, rest, painted, members)
+    return CutoutReading(store, shown, stored, owners, rest, painted, cage_of(obj))

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import ObjectGone, Refusal
 from ...model.plane.cutout import diagonal_of
-from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped
+from ...model.plane.frame import Array, Array32, Indices, PlaneFrame, mapped, part_means
 from ...model.posing import solving
 from ..storage import migration, points, shape_keys
 from . import mesh_edits
@@ -65,6 +65,7 @@ class FlatObject:
     parts: Indices  # n, the connected part of each point
     frame: PlaneFrame  # of the shape shown, in world-linear space
     vertex_indices: Indices  # n, of each point in the object
+    _used: Indices | slice  # the same to index by, as short as it can be told
     count: int  # of the object's points
 
     def __init__(self, obj: bpy.types.Object, store: PoseStore):
@@ -84,11 +85,13 @@ class FlatObject:
     def _take_points(self, obj: bpy.types.Object, used: Indices, parts: Indices) -> Array:
         """Stand for these of the object's points; the coordinates n x 3 at which they are shown."""
         self.vertex_indices, self.parts = used, parts
-        shown = self._store.shown[used, :3]
+        # Of a dense drawing a view costs nothing, and a copy a millisecond.
+        self._used = slice(None) if len(used) == self.count else used
+        shown = self._store.shown[self._used, :3]
         if not np.isfinite(shown).all():
             kind = "vertices" if obj.type == "MESH" else "points"
             raise Refusal(f"'{obj.name}' has {kind} with coordinates that are not numbers: delete them")
-        self._share = self._store.share[used]
+        self._share = self._store.share[self._used]
         shape_keys.check_share(obj, self._share)
         return shown
 
@@ -128,7 +131,7 @@ class FlatObject:
 
     def flattened(self, shape: Array32) -> Array:
         """Plane coordinates n x 2 of any shape of the object, see storage/points.py. Raises Refusal."""
-        places = shape[self.vertex_indices, :3].astype(np.float64)
+        places = shape[self._used, :3].astype(np.float64)
         if not np.isfinite(places).all():
             raise Refusal(
                 f"A pose of '{self.object_name}' has coordinates that are not numbers: delete that pose"
@@ -183,15 +186,15 @@ class FlatObject:
         return obj
 
     def _placed(self, begin: Array32, start: Array, positions: Array, share: Array) -> Array32:
-        moved = np.flatnonzero(np.any(positions != start, axis=1))
-        offsets = mapped(self.frame.lift(positions[moved] - start[moved]), self._inverse)
-        offsets /= share[moved]
-        rows = self.vertex_indices[moved]
-        shape = begin.copy()
-        with np.errstate(over="ignore"):
-            shape[rows, :3] = begin[rows, :3] + offsets  # float64 until it is stored
-        if not np.isfinite(shape[rows, :3]).all():
+        offsets = positions - start
+        moved = (offsets[:, 0] != 0.0) | (offsets[:, 1] != 0.0)
+        lift = np.stack([self.frame.u, self.frame.v], axis=1)
+        shape, old = begin.copy(), begin[self._used, :3]
+        with np.errstate(over="ignore"):  # float64 until it is stored
+            placed = (old + mapped(offsets, self._inverse @ lift) / share).astype(np.float32)
+        if not np.isfinite(placed).all() and not np.isfinite(placed[moved]).all():
             raise Refusal("That is farther than Blender's coordinates reach: move the pins less")
+        shape[self._used, :3] = np.where(moved[:, None], placed, old)
         return shape
 
     def _put(self, shape: Array32) -> None:
@@ -210,18 +213,8 @@ def origin_of(obj: bpy.types.Object) -> Array:
     return np.array(obj.matrix_world.translation, dtype=np.float64)
 
 
-def is_flat(frame: PlaneFrame, world: Array, parts: Indices, known: Mask | None = None) -> bool:
-    """Whether each part of n x 3 points in world-linear space, only those `known`, lies across the normal."""
-    if known is None:
-        known = np.ones(len(world), bool)
-    depths = frame.depth(world)[known]
-    low = np.full(int(parts.max()) + 1, np.inf)
-    high = -low
-    np.minimum.at(low, parts[known], depths)
-    np.maximum.at(high, parts[known], depths)
-    return bool(np.max(high - low) <= FLATNESS * diagonal_of(world[known]))
-
-
-def part_means(values: Array, parts: Indices) -> Array:
-    """The mean of n values in each part."""
-    return np.asarray(np.bincount(parts, weights=values) / np.bincount(parts), dtype=np.float64)
+def is_flat(frame: PlaneFrame, world: Array, parts: Indices) -> bool:
+    """Whether each part of n x 3 points in world-linear space lies across the normal."""
+    depths = frame.depth(world)
+    off = np.abs(depths - part_means(depths, parts)[parts])
+    return bool(off.max() <= FLATNESS * diagonal_of(world))

@@ -10,7 +10,8 @@ import numpy as np
 
 from ...model.plane.cutout import NEUTRAL
 from ...model.plane.frame import Array
-from ..storage.vertex_groups import Members, members
+from ..storage import vertex_groups
+from ..storage.vertex_groups import members
 
 GROUP_NAME = "Stiffness"
 
@@ -18,15 +19,11 @@ GROUP_NAME = "Stiffness"
 def painted(obj: bpy.types.Object) -> Array | None:
     """The stiffness painted on each vertex (count,), neutral outside of the group; None without a group."""
     name = obj.planar.stiffness_group
-    return spread(members(obj, [name]).get(name), len(obj.data.vertices))
-
-
-def spread(group: Members | None, count: int) -> Array | None:
-    """The same from the members of the group, read before, on a mesh of so many vertices."""
+    group = members(obj, [name]).get(name)
     if group is None:
         return None
     rows, weights = group
-    stiffness = np.full(count, NEUTRAL)
+    stiffness = np.full(len(obj.data.vertices), NEUTRAL)
     stiffness[rows] = weights
     return stiffness
 
@@ -48,6 +45,6 @@ def ensure_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
     group = obj.vertex_groups.get(obj.planar.stiffness_group)
     if group is None:
         group = obj.vertex_groups.new(name=GROUP_NAME)
-        group.add(range(len(obj.data.vertices)), NEUTRAL, "REPLACE")
+        vertex_groups.give(group, range(len(obj.data.vertices)), NEUTRAL)
         obj.planar.stiffness_group = group.name
     return group

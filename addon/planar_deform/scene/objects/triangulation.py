@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections import OrderedDict
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ import bmesh
 import bpy
 import numpy as np
 
+from ...model.plane import quads
 from ...model.plane.cutout import connected_parts
 from ...model.plane.frame import Array32, Indices
 from ..storage.topology import corner_vertices
@@ -27,30 +27,44 @@ class Faces:
     parts: Indices  # n, the connected part of each, counted from 0
 
 
-_kept: OrderedDict[bytes, Faces] = OrderedDict()
+@dataclass(frozen=True)
+class _Kept:
+    """What faces are made of."""
+
+    count: int  # of the mesh's vertices
+    corners: Indices  # the vertex of each corner
+    starts: Indices | None  # the first corner of each face, and
+    rest: Array32 | None  # where they lie; None where all are triangles
+    faces: Faces
+
+
+_kept: OrderedDict[int, _Kept] = OrderedDict()  # by the mesh's session_uid
 
 
 def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
     """The mesh's faces, quads and n-gons cut into triangles as they lie in `rest` (count x 3).
 
     A pose must not change how faces are cut, so the mesh's own triangulation, which follows the current
-    coordinates, is used only where there is nothing to cut.
+    coordinates, is not used. The same object as long as all that is the same.
     """
-    mesh.calc_loop_triangles()
-    whole = len(mesh.loop_triangles) == len(mesh.polygons)
-    key = hashlib.blake2b(corner_vertices(mesh).tobytes())
-    if not whole:
-        starts = np.empty(len(mesh.polygons), np.int32)
+    count, corners, starts, lying = len(mesh.vertices), corner_vertices(mesh), None, None
+    if len(corners) != 3 * len(mesh.polygons):
+        starts, lying = np.empty(len(mesh.polygons), np.int32), rest
         mesh.polygons.foreach_get("loop_start", starts)
-        key.update(starts.tobytes())
-        key.update(rest.tobytes())
-    digest = key.digest()
-    if digest not in _kept:
-        _kept[digest] = _faces(_own_triangles(mesh) if whole else _cut(mesh, rest))
-    _kept.move_to_end(digest)
-    while len(_kept) > CAPACITY:
+    kept = _kept.pop(mesh.session_uid, None)
+    if (
+        kept is None
+        or kept.count != count
+        or not np.array_equal(kept.corners, corners)
+        or not _equal(kept.starts, starts)
+        or not _equal(kept.rest, lying)
+    ):
+        triangles = corners.reshape(-1, 3) if starts is None else _cut(mesh, corners, starts, rest)
+        kept = _Kept(count, corners, starts, lying, _faces(triangles, count))
+    _kept[mesh.session_uid] = kept
+    if len(_kept) > CAPACITY:
         _kept.popitem(last=False)
-    return _kept[digest]
+    return kept.faces
 
 
 def forget() -> None:
@@ -58,19 +72,34 @@ def forget() -> None:
     _kept.clear()
 
 
-def _faces(triangles: Indices) -> Faces:
-    vertices, compact = np.unique(triangles, return_inverse=True)
-    compact = compact.reshape(-1, 3).astype(np.int32)
+def _equal(one: Indices | Array32 | None, other: Indices | Array32 | None) -> bool:
+    return one is other or (one is not None and other is not None and np.array_equal(one, other))
+
+
+def _faces(triangles: Indices, count: int) -> Faces:
+    used = np.zeros(count, bool)
+    used[triangles] = True
+    rows = np.cumsum(used, dtype=np.int32) - 1
+    vertices = np.flatnonzero(used).astype(np.int32)
+    compact = rows[triangles]
     return Faces(vertices, compact, connected_parts(len(vertices), compact))
 
 
-def _own_triangles(mesh: bpy.types.Mesh) -> Indices:
-    triangles = np.empty(len(mesh.loop_triangles) * 3, np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
-    return triangles.reshape(-1, 3)
+def _cut(mesh: bpy.types.Mesh, corners: Indices, starts: Indices, rest: Array32) -> Indices:
+    """Triangles of faces with these corners, face by face."""
+    sizes = np.diff(starts, append=len(corners))
+    if sizes.max() > 4:
+        return _cut_ngons(mesh, rest)
+    behind = np.cumsum(sizes - 2)
+    whole = sizes == 3
+    triangles = np.empty((behind[-1], 3), np.int32)
+    triangles[behind[whole] - 1] = corners[starts[whole, None] + np.arange(3)]
+    halves = quads.cut(corners[starts[~whole, None] + np.arange(4)], rest)
+    triangles[behind[~whole] - 2], triangles[behind[~whole] - 1] = halves[:, 0], halves[:, 1]
+    return triangles
 
 
-def _cut(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
+def _cut_ngons(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
     copy = bmesh.new()
     try:
         copy.from_mesh(mesh, face_normals=False, vertex_normals=False)

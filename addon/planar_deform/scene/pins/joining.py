@@ -17,6 +17,7 @@ import numpy as np
 
 from ..objects import mesh_edits
 from ..objects.mesh_edits import Joined
+from ..storage import vertex_groups
 from ..storage.vertex_groups import Members, members
 from . import pin_list
 
@@ -112,7 +113,7 @@ def _add_stiffness(obj: bpy.types.Object, name: str, part: Joined) -> None:
         settings.stiffness_group = name
         return
     mine = part.rows[found[0]]
-    pin_list.fill(obj.vertex_groups[settings.stiffness_group], found[0][mine], found[1][mine])
+    vertex_groups.fill(obj.vertex_groups[settings.stiffness_group], found[0][mine], found[1][mine])
 
 
 def _remembered(pin: bpy.types.PropertyGroup, weight: float) -> _Pin:
@@ -133,7 +134,7 @@ def _add(
     """Add a pin that was remembered, on its group or, `of` these vertices, on a new one."""
     group = obj.vertex_groups[pin.group] if of is None else pin_list.new_group(obj)
     if of is not None:
-        pin_list.fill(group, *of)
+        vertex_groups.fill(group, *of)
     active = obj.planar.active_pin
     added = pin_list.append(obj, group, pin.settings["kind"], owns_group=pin.owned or of is not None)
     if len(obj.planar.pins) > 1:

@@ -23,7 +23,7 @@ from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE
 from ..objects.flat_object import MAKE_LOCAL
 from ..objects.modifiers import of_lattice
-from ..storage import migration
+from ..storage import changes, migration, vertex_groups
 from ..storage.vertex_groups import Members, members
 
 NOBODY: Members = (np.empty(0, np.int32), np.empty(0))
@@ -253,6 +253,7 @@ def store_results(obj: bpy.types.Object, drawing: Drawing, results: Iterable[Pin
         if pin.kind == "PATCH" and drawing.cutout.flat:
             pin.angle = result.angle
     obj.planar.solved_stiffness = drawing.stiffness_stamp
+    changes.tell_pose(obj)
 
 
 class SavedResults:
@@ -288,7 +289,7 @@ def add_at(obj: bpy.types.Object, drawing: Drawing, point: MeshPoint) -> bpy.typ
     pinned, corners = drawing.vertices_held(drawing.cutout.triangles[point.triangle])
     held = point.weights > NEGLIGIBLE
     group = new_group(pinned)
-    fill(group, corners[held], point.weights[held])
+    vertex_groups.fill(group, corners[held], point.weights[held])
     return _named(obj, append(obj, group, "POINT", owns_group=True))
 
 
@@ -308,7 +309,7 @@ def add_on_vertices(
 ) -> bpy.types.PropertyGroup:
     """Add a pin with a new vertex group of these vertices, of a mesh that a lattice deforms if `pinned`."""
     group = new_group(pinned or obj)
-    group.add(vertices, 1.0, "REPLACE")
+    vertex_groups.give(group, vertices, 1.0)
     return _named(obj, append(obj, group, kind, owns_group=True))
 
 
@@ -374,8 +375,8 @@ def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indice
         pin.owns_group, pin.group_index = True, group.index
         _count_groups(pin)
     else:
-        group.remove(range(len(pinned.data.vertices)))
-    fill(group, vertices, weights)
+        vertex_groups.clear(group)
+    vertex_groups.fill(group, vertices, weights)
 
 
 def give_group(pin: bpy.types.PropertyGroup, name: str) -> None:
@@ -389,12 +390,6 @@ def new_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
     """A vertex group for a pin, named as no other pin's of the file: a join makes one of equal ones."""
     taken = {name for other in bpy.data.objects if has_pins(other) for name in groups_of(other)}
     return obj.vertex_groups.new(name=free_name(GROUP_NAME, taken | set(obj.vertex_groups.keys())))
-
-
-def fill(group: bpy.types.VertexGroup, vertices: Indices, weights: Array) -> None:
-    """Give these mesh vertices their weights in a group."""
-    for vertex, weight in zip(vertices.tolist(), weights.tolist(), strict=True):
-        group.add([vertex], weight, "REPLACE")
 
 
 def free_name(name: str, taken: Container[str]) -> str:
@@ -413,8 +408,8 @@ def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> Non
     group = pinned.vertex_groups.get(pin.group) if alone else None
     if group is None:
         group = new_group(pinned)
-    group.remove(range(len(pinned.data.vertices)))
-    group.add(vertices, 1.0, "REPLACE")
+    vertex_groups.clear(group)
+    vertex_groups.give(group, vertices, 1.0)
     pin.group, pin.group_index, pin.owns_group, pin.kind = group.name, group.index, True, "PATCH"
     pin.has_target, pin.angle = False, 0.0  # it holds the drawing as it is now
     _count_groups(pin)

@@ -13,17 +13,18 @@ from ... import native
 DISTORTED = 2.02
 
 
-def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion]) -> str | None:
+def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion | None]) -> str | None:
     """What the next drag does to a pose that no pin of the object has made; None where that is nothing.
 
-    `distortion`: of the shape that is shown. All methods but AKVF give the shape that belongs to the pins:
-    whatever none of them holds goes back to rest.
+    `distortion`: of the shape that is shown, None where that is no flat one; it is asked for only where it
+    counts. All methods but AKVF give the shape that belongs to the pins: whatever none of them holds goes
+    back to rest.
     """
     enabled = [pin for pin in obj.planar.pins if pin.enabled]
     if obj.planar.method == "AKVF" or not enabled or any(pin.has_target for pin in enabled):
         return None
     found = distortion()
-    if max(found.triangle_area.max(), found.triangle_angle.max()) <= DISTORTED:
+    if found is None or max(found.triangle_area.max(), found.triangle_angle.max()) <= DISTORTED:
         return None
     remedy = "Pin all that is to stay" + (", or use Set as Rest" if obj.type == "MESH" else "")
     return f"These pins have not made the pose: a drag takes what they do not hold back to rest. {remedy}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What in-betweens are made with beside their poses: pins, the object's scale, with Smooth the timing."""
+"""What in-betweens are made with beside their poses: pins, scale, with Smooth the timing, a coarse mesh."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from ... import compat
 from ..storage import digests
+from ..storage.cage import cage_of
 
-WHAT = ("pins", "scale", "timing")
+WHAT = ("pins", "scale", "timing", "coarse solving")
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class Conditions:
 
     pins: str  # which vertices, or points of a lattice, the enabled ones hold
     scale: str  # in the plane, of the object alone; empty while it is animated
+    coarse: str  # about how many vertices the mesh has on which it is solved; empty: its own
 
     def of(self, durations: Sequence[float], transition: int, smooth: bool) -> str:
         """Those of a transition among others that last so many frames."""
@@ -29,12 +31,12 @@ class Conditions:
             around = np.asarray(durations[max(0, transition - 1) : transition + 2], float)
             shares = np.round(around / around.sum(), 3)
             timing = " ".join(f"{share:g}" for share in shares)
-        return "|".join((self.pins, self.scale, timing))
+        return "|".join((self.pins, self.scale, timing, self.coarse))
 
 
 def conditions(obj: bpy.types.Object) -> Conditions:
     """Cheap as long as the object's vertex groups stay what they are."""
-    return Conditions(_pins(obj), _scale(obj))
+    return Conditions(_pins(obj), _scale(obj), str(cage_of(obj) or ""))
 
 
 def changed(then: str, now: str) -> list[str]:

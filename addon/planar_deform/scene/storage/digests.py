@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import bpy
 
@@ -15,8 +16,17 @@ CAPACITY = 8  # objects
 
 _Of = float | tuple[str, ...]  # a shape key's eval_time, or names of vertex groups
 
-# By the object's session_uid: since when nothing has changed, and the digests.
-_known: dict[int, tuple[changes.Edits, dict[_Of, str]]] = {}
+
+@dataclass
+class _Known:
+    """Of one object."""
+
+    edits: changes.Edits
+    digests: dict[_Of, tuple[bytes, str]]  # with the bits that they are of: to compare these is much faster
+    current: set[_Of]  # those that have been asked for since those edits
+
+
+_known: dict[int, _Known] = {}  # by the object's session_uid, the last one asked for at the end
 
 
 def of_block(obj: bpy.types.Object, eval_time: float, read: Callable[[], bytes]) -> str:
@@ -37,15 +47,20 @@ def of_groups(obj: bpy.types.Object, names: Iterable[str]) -> str:
 
 def _of(obj: bpy.types.Object, what: _Of, read: Callable[[], bytes]) -> str:
     edits, known = changes.edits(obj), _known.pop(obj.session_uid, None)
-    if known is None or known[0] != edits:
-        known = edits, {}
+    if known is None:
+        known = _Known(edits, {}, set())
         if len(_known) >= CAPACITY:
             _known.pop(next(iter(_known)))
-    _known[obj.session_uid] = known  # as the last one asked for
-    digests = known[1]
-    if what not in digests:
-        digests[what] = digest(read())
-    return digests[what]
+    _known[obj.session_uid] = known
+    if known.edits != edits:
+        known.digests = {asked: known.digests[asked] for asked in known.current}  # others are of no use
+        known.edits, known.current = edits, set()
+    if what not in known.current:
+        bits = read()
+        if what not in known.digests or known.digests[what][0] != bits:
+            known.digests[what] = bits, digest(bits)
+        known.current.add(what)
+    return known.digests[what][1]
 
 
 def digest(data: bytes) -> str:

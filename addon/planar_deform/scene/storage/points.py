@@ -30,7 +30,8 @@ def read(obj: bpy.types.Object) -> Array32:
     if obj.type == "LATTICE":
         return _columns(obj.data.points, (), name="co_deform")
     if obj.type != "CURVE":
-        return _columns(obj.data.vertices, ())
+        places, name = _vertex_coordinates(obj.data)
+        return _columns(places, (), name=name)
     splines = [_columns(spline.points, CURVE_FIELDS, 4) for spline in obj.data.splines]
     return np.delete(np.concatenate(splines), 3, axis=1)  # a poly spline has no use for its weight
 
@@ -46,7 +47,8 @@ def write(obj: bpy.types.Object, shape: Array32) -> None:
         obj.data.points.foreach_set("co_deform", shape.ravel())
         return
     if obj.type != "CURVE":
-        obj.data.vertices.foreach_set("co", shape.ravel())
+        places, name = _vertex_coordinates(obj.data)
+        places.foreach_set(name, shape.ravel())
         return
     start = 0
     for spline in obj.data.splines:
@@ -82,7 +84,7 @@ def write_block(block: bpy.types.ShapeKey, shape: Array32) -> None:
 
 def update(obj: bpy.types.Object) -> None:
     """Tell Blender, and what is kept of shapes, that the object's shape has been written."""
-    changes.tell(obj)
+    changes.tell_pose(obj)
     if obj.type != "MESH":
         obj.data.update_tag()
         redraw.views()
@@ -94,6 +96,12 @@ def _held(obj: bpy.types.Object, block: bpy.types.ShapeKey) -> Array32:
     return _columns(_coordinates(block), CURVE_FIELDS if obj.type == "CURVE" else ())
 
 
+def _vertex_coordinates(mesh: bpy.types.Mesh) -> tuple[bpy.types.bpy_prop_collection, str]:
+    """Where a mesh's coordinates are, and by what name; a hundred times as fast as from its vertices."""
+    found = mesh.attributes.get("position")  # there is none in Edit Mode
+    return (mesh.vertices, "co") if found is None else (found.data, "vector")
+
+
 def _coordinates(block: bpy.types.ShapeKey) -> bpy.types.bpy_prop_collection:
     """Where a shape key's coordinates are; those of a mesh's key can be had a hundred times as fast."""
     return block.points if len(block.points) else block.data
@@ -102,9 +110,11 @@ def _coordinates(block: bpy.types.ShapeKey) -> bpy.types.bpy_prop_collection:
 def _columns(
     points: bpy.types.bpy_prop_collection, fields: tuple[str, ...], size: int = 3, name: str = "co"
 ) -> Array32:
-    result = np.empty((len(points), size + len(fields)), np.float32)
     coordinates = np.empty(len(points) * size, np.float32)
     points.foreach_get(name, coordinates)
+    if not fields:
+        return coordinates.reshape(-1, size)
+    result = np.empty((len(points), size + len(fields)), np.float32)
     result[:, :size] = coordinates.reshape(-1, size)
     for column, field in enumerate(fields, size):
         values = np.empty(len(points), np.float32)

@@ -25,9 +25,8 @@ from ...model.posing.pins import Holder
 from ...model.posing.posing import PinResult
 from ..lattice.posed import PosedObject, posing_refusal, read_posed
 from ..lattice.rig import RigState, rig_state
-from ..objects import cutout_reading
+from ..objects import cutout_object
 from ..objects.cutout_object import CutoutObject
-from ..objects.cutout_reading import CutoutReading
 from ..pins import pin_list
 from ..storage import changes
 from ..storage.topology import edge_vertices
@@ -79,6 +78,8 @@ class Snapshot:
         if self.shape is None or not self.shape[0].cutout.flat:
             return None
         drawing, positions = self.shape
+        if isinstance(drawing, CutoutObject) and positions is drawing.positions:
+            return drawing.distortion
         return native.distortion(drawing.cutout.rest[:, :2], positions[:, :2], drawing.faces)
 
     @cached_property
@@ -111,7 +112,6 @@ class _State(NamedTuple):
 class _Made:
     """What a snapshot was made from; much of it will be the same in the next one."""
 
-    reading: CutoutReading
     drawing: CutoutObject
     holders: list[Holder]
     edges: Indices | None  # None unless they are shown
@@ -223,21 +223,15 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
     holds = before is not None and before.state is not None and state.reads_as(before.state)
     current = old if holds else None  # what has been read is as it is now
     try:
-        if current is None:
-            reading = cutout_reading.read(obj, groups=state.pinned, before=old.reading if old else None)
-            drawing = CutoutObject(obj, reading, old.drawing if old else None)
-        else:
-            reading = current.reading
-            drawing = current.drawing.carried(obj) or CutoutObject(obj, reading, current.drawing)
+        drawing = cutout_object.made_of(obj) if current is None else current.drawing.carried(obj)
     except Refusal as refusal:
         return _Kept(obj.name, Snapshot(refusal=str(refusal)), state, None)
-    groups = {obj.session_uid: reading.groups}
-    holders = pin_list.bound_pins(obj, drawing, groups, old.holders if old else ())
+    holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj), old.holders if old else ())
     edges = None if current is None else current.edges
     if not state.show_mesh or edges is None:
         edges = _edges(obj, drawing)
     snapshot = Snapshot(_places(drawing, _results(drawing, holders)), edges, (drawing, drawing.positions))
-    made = _Made(reading, drawing, holders, edges if state.show_mesh else None)
+    made = _Made(drawing, holders, edges if state.show_mesh else None)
     return _Kept(obj.name, snapshot, state, made)
 
 

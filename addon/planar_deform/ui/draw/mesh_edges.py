@@ -7,8 +7,9 @@ from weakref import WeakKeyDictionary
 
 import bpy
 import gpu
-from gpu_extras.batch import batch_for_shader
+import numpy as np
 
+from ...model.plane.frame import Indices
 from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
 from ...scene.view.snapshot import Snapshot
@@ -20,6 +21,7 @@ CLASSES = ()
 EDGES = (0.05, 0.05, 0.06, 0.45)
 
 _made: WeakKeyDictionary[Snapshot, gpu.types.GPUBatch] = WeakKeyDictionary()  # for as long as that is kept
+_joined: tuple[Indices, gpu.types.GPUIndexBuf] | None = None  # the edges drawn last, which no pose changes
 
 
 def _draw() -> None:
@@ -34,13 +36,25 @@ def _draw() -> None:
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     batch = _made.get(seen)
     if batch is None:
-        content = {"pos": seen.points.astype("float32")}
-        batch = _made[seen] = batch_for_shader(shader, "LINES", content, indices=seen.edges)
+        batch = _made[seen] = _make(seen, shader)
     shader.bind()
     shader.uniform_float("color", EDGES)
     gpu.state.blend_set("ALPHA")
     batch.draw(shader)
     gpu.state.blend_set("NONE")
+
+
+def _make(seen: Snapshot, shader: gpu.types.GPUShader) -> gpu.types.GPUBatch:
+    places = gpu.types.GPUVertBuf(shader.format_calc(), len(seen.points))
+    places.attr_fill("pos", seen.points.astype(np.float32))
+    return gpu.types.GPUBatch(type="LINES", buf=places, elem=_indices(seen.edges))
+
+
+def _indices(edges: Indices) -> gpu.types.GPUIndexBuf:
+    global _joined
+    if _joined is None or _joined[0] is not edges:
+        _joined = edges, gpu.types.GPUIndexBuf(type="LINES", seq=edges)
+    return _joined[1]
 
 
 _drawn = InViews(_draw, "POST_VIEW")
@@ -51,5 +65,7 @@ def register() -> None:
 
 
 def unregister() -> None:
+    global _joined
     _drawn.off()
     _made.clear()
+    _joined = None

@@ -10,6 +10,7 @@ import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
+from numpy.typing import NDArray
 
 from ...model.plane.frame import Array, Array32
 from ...scene.pins.pin_list import has_pins
@@ -41,6 +42,8 @@ _SCALE = np.stack(
     [np.interp(np.linspace(0, 1, _STEPS), np.linspace(0, 1, len(_STOPS)), stop) for stop in _STOPS.T], axis=1
 ).astype(np.float32)
 FLIPPED = (0.80, 0.0, 0.85, 1.0)
+# The same in bytes, behind them what is flipped.
+_BYTES = np.rint(255.0 * np.concatenate([_SCALE, np.array([FLIPPED])])).astype(np.uint8)
 
 # Pixels at a UI scale of 1.
 BAR = (180.0, 10.0)
@@ -64,7 +67,12 @@ _bar: gpu.types.GPUBatch | None = None
 
 def colours(shares: Array) -> Array32:
     """The colours (k x 4 float32) of places (k,) on the scale, from 0 to 1."""
-    result: Array32 = _SCALE[np.rint(shares * (_STEPS - 1)).astype(np.intp)]
+    result: Array32 = _SCALE[_place(shares)]
+    return result
+
+
+def _place(shares: Array) -> NDArray[np.intp]:
+    result: NDArray[np.intp] = np.rint(shares * (_STEPS - 1)).astype(np.intp)
     return result
 
 
@@ -110,17 +118,26 @@ def _make(seen: Snapshot, kind: str) -> _Made:
     assert distortion is not None
     flipped = distortion.triangle_flipped
     values = distortion.triangle_area if kind == "AREA" else distortion.triangle_angle
-    of_triangle = colours(share(values))
-    of_triangle[flipped] = FLIPPED
+    places = np.where(flipped, _STEPS, _place(share(values)))
     points = seen.points.astype(np.float32)
-    content = {"pos": points[seen.triangles.ravel()], "color": np.repeat(of_triangle, 3, axis=0)}
-    fill = batch_for_shader(gpu.shader.from_builtin("FLAT_COLOR"), "TRIS", content)
+    corners = gpu.types.GPUVertBuf(_corner_format(), 3 * len(seen.triangles))
+    corners.attr_fill("pos", np.take(points, seen.triangles.ravel(), axis=0))
+    corners.attr_fill("color", np.repeat(_BYTES[places], 3, axis=0))
+    fill = gpu.types.GPUBatch(type="TRIS", buf=corners)
     border = None
     if flipped.any():
         sides = seen.triangles[flipped][:, [0, 1, 1, 2, 2, 0]].ravel()
         pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
         border = batch_for_shader(pen, "LINES", {"pos": points[sides]})
     return _Made(kind, fill, border)
+
+
+def _corner_format() -> gpu.types.GPUVertFormat:
+    """Places and colours of corners, these in bytes: of a dense drawing they are a million."""
+    form = gpu.types.GPUVertFormat()
+    form.attr_add(id="pos", comp_type="F32", len=3, fetch_mode="FLOAT")
+    form.attr_add(id="color", comp_type="U8", len=4, fetch_mode="INT_TO_FLOAT_UNIT")
+    return form
 
 
 def _draw_legend() -> None:

@@ -135,8 +135,7 @@ def _draw_lattices(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
 
 def _unheld(obj: bpy.types.Object, seen: snapshot.Snapshot) -> str | None:
     """What the pins do not hold of the pose, unless a drag is moving them."""
-    distortion = seen.distortion
-    return None if distortion is None or snapshot.following(obj) else unheld(obj, lambda: distortion)
+    return None if snapshot.following(obj) else unheld(obj, lambda: seen.distortion)
 
 
 class PLANAR_MT_add_pins(bpy.types.Menu):

@@ -9,6 +9,7 @@ from ... import compat
 from ...scene.objects import modifiers, stiffness
 from ...scene.objects.any_object import is_outline
 from ...scene.storage import shape_keys
+from ...scene.storage.cage import cage_of
 from ...scene.view import snapshot
 from .tab import PlanarPanel, lines
 
@@ -40,6 +41,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         else:
             column.prop(settings, "method")
             column.prop(settings, "pin_weight")
+            column.prop(settings, "coarse_above")
             column.prop(settings, "show_mesh")
             row = layout.row(align=True)
             row.operator("planar.reset_to_rest")
@@ -51,6 +53,9 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         if baked is not None:
             text = f"Baked: posing changes this frame alone, in shape key '{baked.name}'"
             lines(layout, text, "INFO", context)
+        cage = cage_of(obj)
+        if cage is not None:
+            lines(layout, f"Solved on a coarse mesh of about {cage} vertices", "INFO", context)
         shifting = modifiers.shifting(obj) if obj.type == "MESH" else []
         if shifting:
             names = ", ".join(shifting)

@@ -9,6 +9,7 @@ from planar_deform.model.plane.frame import plane_frame
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)  # drawn in its own XY plane
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+PARTS = np.zeros(4, np.int32)
 
 
 def turn(axis: int, degrees: float) -> np.ndarray:
@@ -21,7 +22,7 @@ def turn(axis: int, degrees: float) -> np.ndarray:
 
 def in_world(linear: np.ndarray, orientation: str) -> dict[str, np.ndarray]:
     """The directions in the world of the axes, by their letters."""
-    frame = plane_frame(SQUARE, TRIANGLES, linear)
+    frame = plane_frame(SQUARE, PARTS, TRIANGLES, linear)
     axes = plane_axes(frame, orientation)
     lifted = frame.lift(np.array([axes.offset((1.0, 0.0)), axes.offset((0.0, 1.0))]))
     return dict(zip(axes.letters, lifted, strict=True))
@@ -51,12 +52,12 @@ def test_a_drawing_that_leans_moves_along_the_axes_that_are_nearest_to_its_plane
 
 @pytest.mark.parametrize("orientation", ["GLOBAL", "LOCAL"])
 def test_values_and_offsets_are_each_others_inverse(orientation):
-    frame = plane_frame(SQUARE, TRIANGLES, turn(1, 40.0) @ turn(0, 70.0) @ turn(2, 25.0))
+    frame = plane_frame(SQUARE, PARTS, TRIANGLES, turn(1, 40.0) @ turn(0, 70.0) @ turn(2, 25.0))
     axes = plane_axes(frame, orientation)
     assert axes.values(axes.offset((0.3, -1.2))) == pytest.approx((0.3, -1.2), abs=1e-6)
 
 
 def test_the_rounding_of_a_transform_does_not_turn_the_axes():
     linear = turn(0, 90.0).astype(np.float32).astype(float) + 1e-9
-    axes = plane_axes(plane_frame(SQUARE, TRIANGLES, linear), "GLOBAL")
+    axes = plane_axes(plane_frame(SQUARE, PARTS, TRIANGLES, linear), "GLOBAL")
     assert (axes.first, axes.second) == ((1.0, 0.0), (0.0, 1.0)), "a typed 0.5 is 0.5 to the bit"

@@ -9,6 +9,7 @@ from planar_deform.model.plane.frame import plane_frame
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+PARTS = np.zeros(4, np.int32)
 
 
 def random_linear(seed):
@@ -20,7 +21,7 @@ def random_linear(seed):
 def test_axes_are_orthonormal_and_in_the_plane_under_any_linear_transform(seed):
     linear = random_linear(seed)
     points = SQUARE @ np.linalg.qr(random_linear(seed + 100))[0]
-    frame = plane_frame(points, TRIANGLES, linear)
+    frame = plane_frame(points, PARTS, TRIANGLES, linear)
     axes = np.stack([frame.u, frame.v, frame.n])
     assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(axes) == pytest.approx(1.0)
@@ -30,7 +31,7 @@ def test_axes_are_orthonormal_and_in_the_plane_under_any_linear_transform(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_flatten_keeps_world_lengths_and_lift_is_its_inverse(seed):
     linear = random_linear(seed)
-    frame = plane_frame(SQUARE, TRIANGLES, linear)
+    frame = plane_frame(SQUARE, PARTS, TRIANGLES, linear)
     world = SQUARE @ linear.T
     flat = frame.flatten(world)
     for i in range(4):
@@ -39,14 +40,15 @@ def test_flatten_keeps_world_lengths_and_lift_is_its_inverse(seed):
 
 
 def test_the_winding_does_not_turn_the_axes():
-    both = [plane_frame(SQUARE, triangles, np.eye(3)) for triangles in (TRIANGLES, TRIANGLES[:, ::-1])]
+    both = [plane_frame(SQUARE, PARTS, triangles, np.eye(3)) for triangles in (TRIANGLES, TRIANGLES[:, ::-1])]
     assert both[0].v == pytest.approx(both[1].v)
-    mixed = plane_frame(SQUARE, np.array([[0, 1, 2], [0, 3, 2]], np.int32), np.eye(3))  # areas that cancel
+    # Areas that cancel.
+    mixed = plane_frame(SQUARE, PARTS, np.array([[0, 1, 2], [0, 3, 2]], np.int32), np.eye(3))
     assert mixed.n == pytest.approx([0, 0, 1])
 
 
 def test_a_mirrored_frame_sees_the_plane_from_behind():
-    frame = plane_frame(SQUARE, TRIANGLES, np.eye(3))
+    frame = plane_frame(SQUARE, PARTS, TRIANGLES, np.eye(3))
     behind = frame.mirrored()
     assert behind.u == pytest.approx(frame.u)
     assert behind.n == pytest.approx(-frame.n)
@@ -54,8 +56,8 @@ def test_a_mirrored_frame_sees_the_plane_from_behind():
 
 
 def test_no_area_has_no_frame():
-    assert plane_frame(SQUARE * [1, 0, 0], TRIANGLES, np.eye(3)) is None
-    assert plane_frame(SQUARE, np.empty((0, 3), np.int32), np.eye(3)) is None
+    assert plane_frame(SQUARE * [1, 0, 0], PARTS, TRIANGLES, np.eye(3)) is None
+    assert plane_frame(SQUARE, PARTS, np.empty((0, 3), np.int32), np.eye(3)) is None
 
 
 def test_triangles_are_turned_counter_clockwise_in_rest():

@@ -230,3 +230,17 @@ def test_nothing_asked_for_is_settled_and_makes_no_thread():
     assert task.wait(0.0)
     task.end()
     assert threading.active_count() == before
+
+
+def test_a_quick_solver_is_waited_for_and_a_slow_one_is_not(gated, monkeypatch):
+    task, gate = gated
+    monkeypatch.setattr(solving, "MOMENT", SECONDS)
+    gate.open.release(2)
+    assert not task.at_once((0.1, 0.0, 0.0)), "nothing is known of it yet"
+    assert task.wait(SECONDS)
+    assert task.at_once((0.2, 0.0, 0.0)), "as quick as the last one"
+    assert task.newest().path[-1] == pytest.approx((0.2, 0.0, 0.0))
+    monkeypatch.setattr(solving, "MOMENT", 1e-9)
+    assert not task.at_once((0.3, 0.0, 0.0)), "it goes on alone"
+    gate.open.release()
+    assert task.wait(SECONDS)
