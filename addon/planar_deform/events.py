@@ -15,6 +15,7 @@ from .model.posing import solver_cache, solving
 from .operators import live_targets, stiffness
 from .operators.modal import running
 from .scene import follow
+from .scene.image import file_state
 from .scene.lattice import reaching, rig
 from .scene.objects import lattice_edits, triangulation
 from .scene.pins import following
@@ -105,6 +106,7 @@ RESET: tuple[Callable[[], None], ...] = (
     snapshot.forget,
     onion.forget,
     coarseness.forget,
+    file_state.forget,
     stiffness.forget,
     live_targets.forget,
     following.forget,

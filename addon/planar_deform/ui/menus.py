@@ -67,6 +67,7 @@ class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
         column.separator()
         column.operator("planar.paint_stiffness", icon="BRUSH_DATA")
         column.operator("planar.refine_mesh", icon="MOD_SUBSURF")
+        column.operator("planar.remesh", icon="MOD_REMESH")
 
 
 class PLANAR_MT_poses(PlanarMenu, bpy.types.Menu):

@@ -46,11 +46,18 @@ def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
         key.update(rest.tobytes())
     digest = key.digest()
     if digest not in _kept:
-        _kept[digest] = _faces(_own_triangles(mesh) if whole else _cut(mesh, rest))
+        _kept[digest] = _faces(corner_vertices(mesh)[_own_triangles(mesh) if whole else _cut(mesh, rest)])
     _kept.move_to_end(digest)
     while len(_kept) > CAPACITY:
         _kept.popitem(last=False)
     return _kept[digest]
+
+
+def corner_triangles(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
+    """The same triangles in the same order, m x 3, as corners of the mesh's faces."""
+    mesh.calc_loop_triangles()
+    whole = len(mesh.loop_triangles) == len(mesh.polygons)
+    return _own_triangles(mesh) if whole else _cut(mesh, rest)
 
 
 def forget() -> None:
@@ -65,9 +72,9 @@ def _faces(triangles: Indices) -> Faces:
 
 
 def _own_triangles(mesh: bpy.types.Mesh) -> Indices:
-    triangles = np.empty(len(mesh.loop_triangles) * 3, np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
-    return triangles.reshape(-1, 3)
+    corners = np.empty(len(mesh.loop_triangles) * 3, np.int32)
+    mesh.loop_triangles.foreach_get("loops", corners)
+    return corners.reshape(-1, 3)
 
 
 def _cut(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
@@ -77,7 +84,7 @@ def _cut(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
         for vertex, place in zip(copy.verts, rest.tolist(), strict=True):
             vertex.co = place
         copy.normal_update()
-        cut = [[corner.vert.index for corner in corners] for corners in copy.calc_loop_triangles()]
+        cut = [[corner.index for corner in corners] for corners in copy.calc_loop_triangles()]
     finally:
         copy.free()
     return np.array(cut, np.int32)

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""New meshes of the images that the parts of a mesh show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..plane.carrying import carrying
+from ..plane.cutout import oriented, signed_areas
+from ..plane.frame import Array, Indices
+from ..plane.locate import INSIDE
+from ..work import Progress
+from .art import Art
+from .cutting import Settings, cut
+from .filling import Filling, Piece
+from .placement import Placement
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Parts of a mesh that show one image in one place."""
+
+    image: str  # its name
+    art: Callable[[], Art]
+    placement: Placement
+    to_plane: Callable[[Array], Array]  # the mesh's coordinates at rest (k x 3) to those of its plane (k x 2)
+    parts: Indices
+    alone: bool  # nothing else shows the image: what is new in it belongs here
+
+
+def recut(
+    layers: list[Layer],
+    settings: Settings,
+    rest: Array,
+    triangles: Indices,
+    part_of: Indices,
+    progress: Progress,
+) -> Filling:
+    """New pieces for a mesh, n x 2 with triangles m x 3 that are of parts (m,), of what its images are now.
+
+    An island takes over from the parts that it lies on. What lies on none is a new part if nothing else shows
+    its image. Raises NoArt, native.Cancelled and native.SolveError.
+    """
+    pieces: list[Piece] = []
+    said: list[str] = []
+    sizes = np.abs(signed_areas(rest, triangles))
+    shares = np.array([sizes[np.isin(part_of, layer.parts)].sum() for layer in layers]) / sizes.sum()
+    for number, layer in enumerate(layers):
+
+        def tell(share: float, number: int = number) -> bool:
+            return progress((number + share) / len(layers))
+
+        art = layer.art()
+        wish = replace(settings, vertices=max(3, round(settings.vertices * shares[number])))
+        drawing = cut(art.alpha, wish, progress=tell)
+        told = drawing.said if art.said is None else [art.said, *drawing.said]
+        said += [f"'{layer.image}': {sentence}" for sentence in told]
+        places = layer.to_plane(layer.placement.places(drawing.points))
+        cells = oriented(places, drawing.triangles)
+        among = np.isin(part_of, layer.parts)
+        for island in range(int(drawing.islands.max()) + 1):
+            rows = np.flatnonzero(drawing.islands == island)
+            own = np.searchsorted(rows, cells[drawing.islands[cells[:, 0]] == island]).astype(np.int32)
+            parts = _parts_under(places[rows][own].mean(axis=1), rest, triangles[among], part_of[among])
+            if not len(parts):
+                if not layer.alone:
+                    continue
+                parts = layer.parts
+            pieces.append(Piece(places[rows], own, parts))
+    lost = np.setdiff1d(part_of, np.concatenate([piece.parts for piece in pieces])) if pieces else part_of
+    if len(np.unique(lost)):
+        said.append(f"{len(np.unique(lost))} parts have no drawing any more")
+    return Filling(pieces, tuple(said))
+
+
+def _parts_under(middles: Array, rest: Array, triangles: Indices, part_of: Indices) -> Indices:
+    """The parts that points lie on, all but those that have a few of them."""
+    found = []
+    for part in np.unique(part_of):
+        hung = carrying(rest, triangles[part_of == part], middles)
+        found.append((int(part), int(np.count_nonzero(hung.weights.min(axis=1) >= INSIDE))))
+    most = max((count for _, count in found), default=0)
+    return np.array([part for part, count in found if count > 0 and count >= FEW * most], np.int32)
+
+
+FEW = 0.02  # of the points on the part that has most of them: a neighbour's edge
