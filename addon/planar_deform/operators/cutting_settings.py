@@ -86,7 +86,7 @@ class CuttingSettings:
             finest=self.finest,
         )
 
-    def draw_settings(self, column: bpy.types.UILayout, *, of_image: bool = True) -> None:
+    def draw_cutting(self, column: bpy.types.UILayout, *, of_image: bool = True) -> None:
         """Draw them; not `of_image`: those that an outline without an image has."""
         column.row().prop(self, "density", expand=True)
         column.prop(self, "vertices" if self.density == "VERTICES" else "edge")

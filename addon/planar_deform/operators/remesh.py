@@ -29,7 +29,9 @@ class PLANAR_OT_remesh(CuttingSettings, LongOperator, bpy.types.Operator):
         "and all else stay"
     )
 
-    source: EnumProperty(name="From", description="What the new mesh is made of", items=SOURCES)
+    source: EnumProperty(
+        name="From", description="What the new mesh is made of", items=SOURCES, options={"SKIP_SAVE"}
+    )
     reload: BoolProperty(
         name="Reload",
         description="Read the image's file again, which has been painted on",
@@ -65,7 +67,7 @@ class PLANAR_OT_remesh(CuttingSettings, LongOperator, bpy.types.Operator):
         column = self.layout.column()
         column.use_property_split = True
         column.row().prop(self, "source", expand=True)
-        self.draw_settings(column, of_image=self.source == "IMAGE")
+        self.draw_cutting(column, of_image=self.source == "IMAGE")
 
 
 CLASSES = (PLANAR_OT_remesh,)

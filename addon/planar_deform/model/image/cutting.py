@@ -42,6 +42,20 @@ class Drawing:
     rings: list[Indices]  # the vertices along each closed boundary, the art on their left
     said: list[str]  # a sentence each
 
+    def separated(self) -> list[Drawing]:
+        """A drawing of each island, the largest first."""
+        a, b, c = (self.points[self.triangles[:, corner]] for corner in range(3))
+        areas = np.bincount(self.islands[self.triangles[:, 0]], _areas(b - a, c - a))
+        return [self._island(number) for number in np.argsort(-areas, kind="stable").tolist()]
+
+    def _island(self, number: int) -> Drawing:
+        kept = np.flatnonzero(self.islands == number)
+        row = np.full(len(self.points), -1, np.int32)
+        row[kept] = np.arange(len(kept), dtype=np.int32)
+        triangles = row[self.triangles[self.islands[self.triangles[:, 0]] == number]]
+        rings = [row[ring] for ring in self.rings if self.islands[ring[0]] == number]
+        return Drawing(self.points[kept], triangles, np.zeros(len(kept), np.int32), rings, [])
+
 
 def cut(
     alpha: Alpha, settings: Settings, *, window: Window | None = None, progress: Progress | None = None
@@ -70,6 +84,12 @@ def cut(
         raise NoArt(str(error)) from error
     points = found.points + np.array([window.left, window.bottom], np.float64)
     return Drawing(points, found.triangles, found.parts, list(found.rings), list(found.said))
+
+
+def _areas(first: Array, second: Array) -> Array:
+    """Twice those of triangles with these two sides, k x 2."""
+    areas: Array = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    return areas
 
 
 def _why_empty(alpha: Alpha, threshold: float) -> str:

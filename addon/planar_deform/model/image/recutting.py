@@ -18,6 +18,8 @@ from .cutting import Settings, cut
 from .filling import Filling, Piece
 from .placement import Placement
 
+FEW = 0.02  # of the points on the part that has most of them: a neighbour's edge
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -58,18 +60,16 @@ def recut(
         drawing = cut(art.alpha, wish, progress=tell)
         told = drawing.said if art.said is None else [art.said, *drawing.said]
         said += [f"'{layer.image}': {sentence}" for sentence in told]
-        places = layer.to_plane(layer.placement.places(drawing.points))
-        cells = oriented(places, drawing.triangles)
         among = np.isin(part_of, layer.parts)
-        for island in range(int(drawing.islands.max()) + 1):
-            rows = np.flatnonzero(drawing.islands == island)
-            own = np.searchsorted(rows, cells[drawing.islands[cells[:, 0]] == island]).astype(np.int32)
-            parts = _parts_under(places[rows][own].mean(axis=1), rest, triangles[among], part_of[among])
+        for island in drawing.separated():
+            places = layer.to_plane(layer.placement.places(island.points))
+            cells = oriented(places, island.triangles)
+            parts = _parts_under(places[cells].mean(axis=1), rest, triangles[among], part_of[among])
             if not len(parts):
                 if not layer.alone:
                     continue
                 parts = layer.parts
-            pieces.append(Piece(places[rows], own, parts))
+            pieces.append(Piece(places, cells, parts))
     lost = np.setdiff1d(part_of, np.concatenate([piece.parts for piece in pieces])) if pieces else part_of
     if len(np.unique(lost)):
         said.append(f"{len(np.unique(lost))} parts have no drawing any more")
@@ -84,6 +84,3 @@ def _parts_under(middles: Array, rest: Array, triangles: Indices, part_of: Indic
         found.append((int(part), int(np.count_nonzero(hung.weights.min(axis=1) >= INSIDE))))
     most = max((count for _, count in found), default=0)
     return np.array([part for part, count in found if count > 0 and count >= FEW * most], np.int32)
-
-
-FEW = 0.02  # of the points on the part that has most of them: a neighbour's edge

@@ -13,19 +13,46 @@ from ..flatten import uv_maps
 from .image_plane import ImagePlane
 
 
-def swap(plane: ImagePlane, drawing: Drawing) -> bpy.types.Object:
-    """Give the plane the cutout's mesh; the object. It stays what and where it is, with its materials.
+def swap(plane: ImagePlane, drawing: Drawing, *, separate: bool = False) -> list[bpy.types.Object]:
+    """Give the plane the cutout's mesh; the object stays what and where it is, with its materials.
 
-    All its UV maps go on to show what they showed. Raises ObjectGone, with nothing changed.
+    All UV maps go on to show what they showed. `separate`: the largest island alone becomes the plane's, each
+    other one a copy of it; these follow in the list. Raises ObjectGone, with nothing changed.
     """
     obj = plane.resolve()
+    meshes = [mesh_of(plane, part) for part in (drawing.separated() if separate else [drawing])]
     old = obj.data
-    obj.data = mesh_of(plane, drawing)
     name = old.name
+    obj.data = meshes[0]
     if not old.users:
         bpy.data.meshes.remove(old)
     obj.data.name = name
-    return obj
+    objects = [obj]
+    for mesh in meshes[1:]:
+        objects.append(obj.copy())
+        objects[-1].data = mesh
+        mesh.name = objects[-1].name
+        for collection in obj.users_collection:
+            collection.objects.link(objects[-1])
+    _show_no_more_than_the_image(plane.texture, drawing)
+    return objects
+
+
+def joined(context: bpy.types.Context, objects: list[bpy.types.Object]) -> bpy.types.Object:
+    """One object of several, the first one of them, with a part for each."""
+    meshes = [obj.data for obj in objects[1:]]
+    context.view_layer.update()
+    with context.temp_override(
+        active_object=objects[0],
+        object=objects[0],
+        selected_editable_objects=objects,
+        selected_objects=objects,
+    ):
+        bpy.ops.object.join()
+    for mesh in meshes:
+        if not mesh.users:
+            bpy.data.meshes.remove(mesh)
+    return objects[0]
 
 
 def mesh_of(plane: ImagePlane, drawing: Drawing) -> bpy.types.Mesh:
@@ -62,3 +89,11 @@ def facing(plane: ImagePlane, drawing: Drawing) -> Indices:
     """The cutout's triangles, m x 3, which face where the plane's faces do."""
     found = drawing.triangles[:, ::-1] if plane.placement.mirrored else drawing.triangles
     return np.ascontiguousarray(found, dtype=np.int32)
+
+
+def _show_no_more_than_the_image(texture: bpy.types.ShaderNodeTexImage, drawing: Drawing) -> None:
+    """The mesh reaches beyond the image by its margin, where a texture that repeats would show again."""
+    size = np.array(texture.image.size)
+    within = (drawing.points >= 0.0).all() and (drawing.points <= size).all()
+    if not within and texture.id_data.library is None:
+        texture.extension = "CLIP"

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ... import native
 from ...errors import Refusal
 from ...model.image.filling import Filling, clockwise
 from ...model.image.reaching import reaching
@@ -109,7 +110,8 @@ class Remesh:
         cutout = make_cutout(places_2d, filling.triangles, parts)
         blocks, flipped = {}, []
         for number, (name, shape) in enumerate(self._blocks.items()):
-            progress(SOLVED + (1.0 - SOLVED) * number / len(self._blocks))
+            if not progress(SOLVED + (1.0 - SOLVED) * number / len(self._blocks)):
+                raise native.Cancelled
             blocks[name], upright = self._posed(hung, shape, cutout)
             if not upright:
                 flipped.append(name)

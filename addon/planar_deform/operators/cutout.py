@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cutouts made from images: from files, dropped or chosen, and from image planes that are there."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    StringProperty,
+)
+
+from ..errors import Refusal
+from ..scene.image import cutout_mesh, file_state, image_plane, preview
+from ..scene.image.cutting import Cut, cuts
+from ..scene.image.image_plane import ImagePlane
+from ..scene.image.importing import Undoing, import_planes
+from ..scene.objects.adding import select_alone
+from ..scene.pins import pin_list
+from ..scene.view.shading import show_textures
+from .cutting_settings import CuttingSettings
+from .modal.long_job import Job, LongOperator
+
+LAYERS = (
+    ("OBJECTS", "Objects", "An object for each file"),
+    ("PARTS", "Parts", "One object with a part for each file"),
+)
+SIZES = (
+    ("DPBU", "Pixels per Unit", "By the image's pixels, so that layers fit together"),
+    ("ABSOLUTE", "Height", "All images get this height"),
+)
+AXES = tuple(
+    (axis, axis, f"Facing {name} {axis[1]}")
+    for axis, name in (
+        ("-Y", "negative"),
+        ("+Y", "positive"),
+        ("+X", "positive"),
+        ("-X", "negative"),
+        ("+Z", "positive"),
+        ("-Z", "negative"),
+    )
+)
+INTERPOLATIONS = (
+    ("Linear", "Linear", "Smooth, for drawings"),
+    ("Closest", "Closest", "Sharp pixels, for pixel art"),
+    ("Cubic", "Cubic", "Smoother still"),
+)
+SHADERS = (
+    ("EMISSION", "Emission", "Rendered in its own colours, without lights"),
+    ("PRINCIPLED", "Principled", "Lit by the scene's lights"),
+    ("SHADELESS", "Shadeless", "In its own colours, and seen by camera and reflections alone"),
+)
+
+
+class Cutting(CuttingSettings, LongOperator):
+    """Makes meshes of images by these settings."""
+
+    separate_islands: BoolProperty(
+        name="Separate Islands", description="Make an object of each part of the drawing that hangs together"
+    )
+
+    def draw_settings(self, column: bpy.types.UILayout, *, islands: bool = True) -> None:
+        self.draw_cutting(column)
+        if islands:
+            column.prop(self, "separate_islands")
+
+    def finish(self, context: bpy.types.Context, found: list[Cut], *, join: bool = False) -> str:
+        """Put the cutouts where the planes are; what is to be told."""
+        for made in found:
+            _ = made.plane.texture  # raises ObjectGone, with nothing changed
+        preview.show(context, found, type(self).__name__)
+        objects = []
+        for made in found:
+            objects += cutout_mesh.swap(made.plane, made.drawing, separate=self.separate_islands and not join)
+        count = sum(len(made.drawing.points) for made in found)
+        if join and len(objects) > 1:
+            objects = [cutout_mesh.joined(context, objects)]
+        for obj in objects:
+            file_state.remember(obj)
+        select_alone(context, objects[0])
+        for obj in objects[1:]:
+            obj.select_set(True)
+        if context.window is not None:
+            show_textures(context.window)
+        what = f"{len(objects)} cutouts" if len(objects) > 1 else f"'{objects[0].name}'"
+        return "; ".join([f"{what}: {count} vertices", *(said for made in found for said in made.said)])
+
+
+class PLANAR_OT_cutout_from_image(Cutting, bpy.types.Operator):
+    bl_idname = "planar.cutout_from_image"
+    bl_label = "Cutout from Image"
+    bl_description = (
+        "Make cutouts of image files: meshes that follow the outline of the drawing and show it, ready to be "
+        "pinned"
+    )
+
+    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
+    directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
+    files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
+    filter_image: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
+    filter_folder: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
+
+    image_sequence: BoolProperty(
+        name="Detect Image Sequences",
+        description="Files numbered one after the other become one cutout that plays them, as wide as all",
+    )
+    layers: EnumProperty(name="Several Files", description="What several files become", items=LAYERS)
+    offset: FloatProperty(
+        name="Offset",
+        description="From one layer to the next, in front of it",
+        default=0.01,
+        min=0.0,
+        soft_max=1.0,
+        subtype="DISTANCE",
+    )
+    size_mode: EnumProperty(name="Size", description="How large the cutout is", items=SIZES)
+    factor: FloatProperty(
+        name="Pixels per Unit", description="How many pixels make a unit", default=600.0, min=1.0
+    )
+    height: FloatProperty(
+        name="Height", description="Of the whole image", default=1.0, min=0.001, subtype="DISTANCE"
+    )
+    align_axis: EnumProperty(name="Align", description="Where the cutout faces", items=AXES)
+    interpolation: EnumProperty(
+        name="Interpolation", description="How the texture is read between its pixels", items=INTERPOLATIONS
+    )
+    shader: EnumProperty(name="Shader", description="How the cutout is rendered", items=SHADERS)
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return _mode_refusal(context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self._chosen = False
+        if not self._paths():
+            self._chosen = True
+            context.window_manager.fileselect_add(self)
+            return {"RUNNING_MODAL"}
+        return super().invoke(context, event)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        if getattr(self, "_chosen", False) and context.window is not None:  # by the file browser, just now
+            self._chosen = False
+            return self.start(context)
+        return super().execute(context)
+
+    def job(self, context: bpy.types.Context) -> Job:
+        paths = self._paths()
+        if not paths:
+            raise Refusal("Which images? Choose some files")
+        if len({path.parent for path in paths}) > 1:
+            raise Refusal("The files are in several folders: import those of each folder by themselves")
+        told: list[str] = []
+        return Job(lambda _: self._write(paths, told), summary=lambda _: "; ".join(told))
+
+    def _write(self, paths: list[Path], told: list[str]) -> Generator[float, None, None]:
+        undoing = Undoing(bpy.context)
+        try:
+            planes = import_planes(undoing, paths, self._plane_options())
+            yield 0.0
+            found = yield from cuts(planes, self.settings(), loaded=True)
+            with undoing.noting():
+                told.append(self.finish(bpy.context, found, join=self.layers == "PARTS"))
+        except BaseException:  # a refusal, an error, or closed before its end
+            undoing.take_back(bpy.context)
+            raise
+
+    def _paths(self) -> list[Path]:
+        """Each file once, in the order in which they are given."""
+        names = [file.name for file in self.files if file.name]
+        if names:
+            folder = Path(bpy.path.abspath(self.directory))
+            return list(dict.fromkeys(folder / name for name in names))
+        return [Path(bpy.path.abspath(self.filepath))] if self.filepath else []
+
+    def _plane_options(self) -> dict[str, Any]:
+        return {
+            "align_axis": self.align_axis,
+            "size_mode": self.size_mode,
+            "factor": self.factor,
+            "height": self.height,
+            "offset": True,
+            "offset_axis": "+Z",
+            "offset_amount": self.offset,
+            "image_sequence": self.image_sequence,
+            "interpolation": self.interpolation,
+            "extension": "CLIP",
+            "shader": self.shader,
+            "overwrite_material": False,  # another one's, that has the same name
+            "relative": True,
+        }
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.use_property_split = True
+        parts = self.layers == "PARTS"
+        self.draw_settings(column, islands=not parts)
+        column.separator()
+        column.row().prop(self, "layers", expand=True)
+        for name in (
+            "offset",
+            "image_sequence",
+            "size_mode",
+            "factor" if self.size_mode == "DPBU" else "height",
+        ):
+            column.prop(self, name)
+        for name in ("align_axis", "interpolation", "shader"):
+            column.prop(self, name)
+
+
+class PLANAR_OT_make_cutout(Cutting, bpy.types.Operator):
+    bl_idname = "planar.make_cutout"
+    bl_label = "Make Cutout"
+    bl_description = (
+        "Give the selected image planes meshes that follow the outline of their drawings; they stay where "
+        "they are, with their materials"
+    )
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        reason = _mode_refusal(context)
+        if reason is not None:
+            return reason
+        if not context.selected_objects:
+            return "Select planes that show an image, or add one with Add > Image > Cutout from Image"
+        return next(filter(None, map(_plane_refusal, context.selected_objects)), None)
+
+    def job(self, context: bpy.types.Context) -> Job:
+        active = context.view_layer.objects.active
+        objects = sorted(context.selected_objects, key=lambda obj: (obj != active, obj.name))
+        planes = [image_plane.read(obj) for obj in objects]
+        told: list[str] = []
+        return Job(lambda _: self._write(planes, told), summary=lambda _: "; ".join(told))
+
+    def _write(self, planes: list[ImagePlane], told: list[str]) -> Generator[float, None, None]:
+        found = yield from cuts(planes, self.settings())
+        told.append(self.finish(bpy.context, found))
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.use_property_split = True
+        self.draw_settings(column)
+
+
+def _mode_refusal(context: bpy.types.Context) -> str | None:
+    return (
+        None if context.mode == "OBJECT" else "Cutouts are made in Object Mode: leave the current mode first"
+    )
+
+
+def _plane_refusal(obj: bpy.types.Object) -> str | None:
+    """At first sight, for polls."""
+    reason = image_plane.refusal(obj)
+    if reason is None and (pin_list.has_pins(obj) or obj.data.shape_keys is not None or obj.vertex_groups):
+        return f"'{obj.name}' has pins, shape keys or vertex groups: Remesh keeps them"
+    return reason
+
+
+class PLANAR_FH_cutout(bpy.types.FileHandler):
+    bl_idname = "PLANAR_FH_cutout"
+    bl_label = "Cutout from Image"
+    bl_import_operator = "planar.cutout_from_image"
+    bl_file_extensions = ";".join(sorted(bpy.path.extensions_image))
+
+    @classmethod
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
+        return context.area is not None and context.area.type == "VIEW_3D" and context.mode == "OBJECT"
+
+
+CLASSES: tuple[Any, ...] = (PLANAR_OT_cutout_from_image, PLANAR_OT_make_cutout, PLANAR_FH_cutout)
