@@ -48,6 +48,7 @@ def recut(
     """
     pieces: list[Piece] = []
     said: list[str] = []
+    taken: set[int] = set()
     sizes = np.abs(signed_areas(rest, triangles))
     shares = np.array([sizes[np.isin(part_of, layer.parts)].sum() for layer in layers]) / sizes.sum()
     for number, layer in enumerate(layers):
@@ -65,14 +66,15 @@ def recut(
             places = layer.to_plane(layer.placement.places(island.points))
             cells = oriented(places, island.triangles)
             parts = _parts_under(places[cells].mean(axis=1), rest, triangles[among], part_of[among])
+            taken.update(parts.tolist())
             if not len(parts):
                 if not layer.alone:
                     continue
                 parts = layer.parts
             pieces.append(Piece(places, cells, parts))
-    lost = np.setdiff1d(part_of, np.concatenate([piece.parts for piece in pieces])) if pieces else part_of
-    if len(np.unique(lost)):
-        said.append(f"{len(np.unique(lost))} parts have no drawing any more")
+    lost = len(np.unique(part_of)) - len(taken)
+    if lost:
+        said.append(f"{lost} part{'s have' if lost > 1 else ' has'} no drawing any more")
     return Filling(pieces, tuple(said))
 
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ... import native
-from ..plane.carrying import boundary
 from ..plane.cutout import signed_areas
 from ..plane.frame import Array, Indices, Mask
 from ..work import Progress
@@ -93,9 +92,9 @@ def _said(count: int, wish: Wish) -> tuple[str, ...]:
 
 def _filled(rest: Array, triangles: Indices, edge: float, wish: Wish) -> tuple[Array, Indices]:
     """One part: points k x 2 and triangles."""
-    edges, _ = boundary(triangles)
-    low = rest[np.unique(triangles)].min(axis=0)
-    extent = float((rest[np.unique(triangles)].max(axis=0) - low).max())
+    edges = contour(triangles)
+    low = rest[triangles].min(axis=(0, 1))
+    extent = float((rest[triangles].max(axis=(0, 1)) - low).max())
     samples = float(np.clip(PER_EDGE * extent / edge, FEWEST, SAMPLES))
     scale = samples / extent
     pad = PAD + int(np.ceil(wish.grown * scale))
@@ -123,10 +122,21 @@ def shrunk(ends: Array) -> Mask:
     `ends`: the edges of the outline, k x 2 x 2 in samples from the lower left corner, the inside on the left.
     """
     width, height = np.ceil(ends.max(axis=(0, 1))).astype(int) + PAD
-    inside = _covered(ends, height, width)
-    core = inside & (_distances(ends, height, width) > AWAY)
+    inside, distances = _covered(ends, height, width), _distances(ends, height, width)
+    if not inside.any():  # thinner than a sample
+        inside = distances <= ROUNDED
+    core = inside & (distances > AWAY)
     lost = inside & ~_grown(core, AWAY + ROUNDED)
     return core | lost
+
+
+def contour(triangles: Indices) -> Indices:
+    """The edges k x 2 round counter-clockwise triangles: what has a triangle on either side cancels."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    ends, inverse = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    net = np.bincount(inverse.ravel(), weights=np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0))
+    directed = np.where((net > 0.0)[:, None], ends, ends[:, ::-1])
+    return np.repeat(directed, np.abs(net).astype(int), axis=0).astype(np.int32)
 
 
 def _covered(ends: Array, height: int, width: int) -> Mask:

@@ -42,9 +42,13 @@ def replace(mesh: bpy.types.Mesh, new: NewFaces) -> None:
                 for row, share in zip(rows.tolist(), shares.tolist(), strict=True):
                     vertices[row][weights][index] = share
         triples = zip(new.faces.tolist(), new.materials.tolist(), new.smooth.tolist(), strict=True)
-        for corners, material, smooth in triples:
+        for number, (corners, material, smooth) in enumerate(triples):
             face = copy.faces.new([vertices[corner] for corner in corners])
-            face.material_index, face.smooth = material, smooth
+            face.material_index, face.smooth, face.index = material, smooth, number
+        for number, vertex in enumerate(vertices):
+            vertex.index = number
+        copy.verts.sort()  # they have been put where deleted ones were
+        copy.faces.sort()
         copy.to_mesh(mesh)
     finally:
         copy.free()
