@@ -26,6 +26,7 @@ class PLANAR_MT_cutout(PlanarMenu, bpy.types.Menu):
         column = self.column
         column.operator("planar.cutout_from_image", icon="IMAGE_DATA")
         column.operator("planar.make_cutout", icon="OUTLINER_OB_IMAGE")
+        column.operator("planar.remesh", icon="MOD_REMESH")
 
 
 class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
@@ -76,7 +77,6 @@ class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
         column.separator()
         column.operator("planar.paint_stiffness", icon="BRUSH_DATA")
         column.operator("planar.refine_mesh", icon="MOD_SUBSURF")
-        column.operator("planar.remesh", icon="MOD_REMESH")
 
 
 class PLANAR_MT_poses(PlanarMenu, bpy.types.Menu):

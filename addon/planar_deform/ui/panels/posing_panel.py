@@ -6,7 +6,6 @@ from __future__ import annotations
 import bpy
 
 from ... import compat
-from ...scene.image import file_state
 from ...scene.objects import modifiers, stiffness
 from ...scene.objects.any_object import is_outline
 from ...scene.storage import shape_keys
@@ -42,7 +41,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
             column.prop(settings, "method")
             column.prop(settings, "pin_weight")
             column.prop(settings, "show_mesh")
-            _draw_remesh(layout, context)
+            layout.operator("planar.remesh", icon="MOD_REMESH")
             row = layout.row(align=True)
             row.operator("planar.reset_to_rest")
             row.operator("planar.set_rest_to_current")
@@ -58,17 +57,6 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
             names = ", ".join(shifting)
             text = f"Pins are shown without {names}: the drawing may be seen elsewhere"
             lines(layout, text, "INFO", context)
-
-
-def _draw_remesh(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The density of the mesh can be changed; where its image has been, that is told."""
-    obj = context.object
-    if file_state.is_changed(obj):
-        lines(layout, "The image has been changed on disk", "INFO", context)
-        again = layout.operator("planar.remesh", text="Reload and Remesh", icon="FILE_REFRESH")
-        again.reload, again.density, again.vertices = True, "VERTICES", len(obj.data.vertices)
-    else:
-        layout.operator("planar.remesh", icon="MOD_REMESH")
 
 
 class PLANAR_PT_stiffness(PlanarPanel, bpy.types.Panel):
