@@ -11,7 +11,10 @@ from ..plane.frame import Array, Indices
 from .pins import Holder
 from .rebinding import NEGLIGIBLE, Binding, point_binding
 
-HALF = 0.5  # of a vertex's share in those that a patch holds: from there on it is one of them
+# Of a vertex's share in those that a patch holds: from there on it is one of them. With the second, where the
+# patch has no triangles of its own, or they are too small.
+SHARES = (0.98, 0.5)
+FEWEST = 3  # vertices, which hold a turn as well
 
 
 def group_carried(
@@ -35,7 +38,8 @@ def patch_carried(carrying: Carrying, count: int, rows: Indices, weights: Array)
     members[rows], values[rows] = 1.0, weights
     inside = np.einsum("kc,kc->k", carrying.within, members[carrying.corners])
     blended = np.einsum("kc,kc->k", carrying.within, values[carrying.corners])
-    held = np.flatnonzero(inside >= HALF).astype(np.int32)
+    enough = (held for held in (np.flatnonzero(inside >= share) for share in SHARES) if len(held) >= FEWEST)
+    held = next(enough, np.flatnonzero(inside >= SHARES[-1])).astype(np.int32)
     return held, blended[held] / inside[held]
 
 

@@ -87,9 +87,17 @@ def test_a_patch_keeps_its_region_at_full_weight(finer):
     rows = np.flatnonzero((np.abs(old.rest - 2.0) <= 1.0).all(axis=1)).astype(np.int32)
     found, weights = patch_carried(hung, len(old.rest), rows, np.ones(9))
     inside = (np.abs(new.rest - 2.0) <= 1.0 + 1e-9).all(axis=1)
-    assert set(np.flatnonzero(inside)) <= set(found.tolist())
-    assert np.abs(new.rest[found] - 2.0).max() < 1.5 + 1e-9
+    assert set(found.tolist()) == set(np.flatnonzero(inside))
     assert weights == pytest.approx(np.ones(len(found)))
+
+
+@pytest.mark.parametrize(("rows", "count"), [([7], 1), ([6, 7, 8], 5)])
+def test_a_patch_without_triangles_holds_what_is_nearest(finer, rows, count):
+    old, new, hung = finer
+    found, _ = patch_carried(hung, len(old.rest), np.array(rows, np.int32), np.ones(len(rows)))
+    assert len(found) >= count
+    middle = old.rest[rows].mean(axis=0)
+    assert np.abs(new.rest[found].mean(axis=0) - middle).max() < 0.25
 
 
 @pytest.mark.parametrize("rows", [[0], [7, 8], [6, 7, 12]])
