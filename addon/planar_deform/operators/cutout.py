@@ -74,7 +74,9 @@ class Cutting(CuttingSettings, LongOperator):
         """Put the cutouts where the planes are; what is to be told."""
         for made in found:
             _ = made.plane.texture  # raises ObjectGone, with nothing changed
-        preview.show(context, found, type(self).__name__)
+        if context.window is not None:
+            preview.show(context, found, type(self).__name__)
+            show_textures(context.window)
         objects = []
         for made in found:
             objects += cutout_mesh.swap(made.plane, made.drawing, separate=self.separate_islands and not join)
@@ -86,19 +88,15 @@ class Cutting(CuttingSettings, LongOperator):
         select_alone(context, objects[0])
         for obj in objects[1:]:
             obj.select_set(True)
-        if context.window is not None:
-            show_textures(context.window)
         what = f"{len(objects)} cutouts" if len(objects) > 1 else f"'{objects[0].name}'"
         return "; ".join([f"{what}: {count} vertices", *(said for made in found for said in made.said)])
 
 
-class PLANAR_OT_cutout_from_image(Cutting, bpy.types.Operator):
-    bl_idname = "planar.cutout_from_image"
-    bl_label = "Cutout from Image"
-    bl_description = (
-        "Make cutouts of image files: meshes that follow the outline of the drawing and show it, ready to be "
-        "pinned"
-    )
+class FromFiles(Cutting):
+    """Makes cutouts of files, by these settings."""
+
+    layout: bpy.types.UILayout  # of Blender's operators, and so are these
+    properties: bpy.types.OperatorProperties
 
     filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
@@ -136,19 +134,37 @@ class PLANAR_OT_cutout_from_image(Cutting, bpy.types.Operator):
     def refusal(cls, context: bpy.types.Context) -> str | None:
         return _mode_refusal(context)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self._chosen = False
-        if not self._paths():
-            self._chosen = True
-            context.window_manager.fileselect_add(self)
-            return {"RUNNING_MODAL"}
-        return super().invoke(context, event)
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.use_property_split = True
+        parts = self.layers == "PARTS"
+        self.draw_settings(column, islands=not parts)
+        column.separator()
+        column.row().prop(self, "layers", expand=True)
+        for name in (
+            "offset",
+            "image_sequence",
+            "size_mode",
+            "factor" if self.size_mode == "DPBU" else "height",
+        ):
+            column.prop(self, name)
+        for name in ("align_axis", "interpolation", "shader"):
+            column.prop(self, name)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        if getattr(self, "_chosen", False) and context.window is not None:  # by the file browser, just now
-            self._chosen = False
-            return self.start(context)
-        return super().execute(context)
+
+class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
+    bl_idname = "planar.cutout_from_image"
+    bl_label = "Cutout from Image"
+    bl_description = (
+        "Make cutouts of image files: meshes that follow the outline of the drawing and show it, ready to be "
+        "pinned"
+    )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if self._paths():
+            return super().invoke(context, event)
+        bpy.ops.planar.choose_images("INVOKE_DEFAULT", **_settings_of(self))
+        return {"CANCELLED"}
 
     def job(self, context: bpy.types.Context) -> Job:
         paths = self._paths()
@@ -196,22 +212,34 @@ class PLANAR_OT_cutout_from_image(Cutting, bpy.types.Operator):
             "relative": True,
         }
 
-    def draw(self, context: bpy.types.Context) -> None:
-        column = self.layout.column()
-        column.use_property_split = True
-        parts = self.layers == "PARTS"
-        self.draw_settings(column, islands=not parts)
-        column.separator()
-        column.row().prop(self, "layers", expand=True)
-        for name in (
-            "offset",
-            "image_sequence",
-            "size_mode",
-            "factor" if self.size_mode == "DPBU" else "height",
-        ):
-            column.prop(self, name)
-        for name in ("align_axis", "interpolation", "shader"):
-            column.prop(self, name)
+
+class PLANAR_OT_choose_images(FromFiles, bpy.types.Operator):
+    """After the file browser an operator has no redo panel, and cannot be modal: this one starts another."""
+
+    bl_idname = "planar.choose_images"
+    bl_label = "Cutout from Image"
+    bl_description = "Choose files, then make cutouts of them"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        files = [{"name": file.name} for file in self.files]
+        try:
+            bpy.ops.planar.cutout_from_image(
+                "INVOKE_DEFAULT",
+                True,
+                filepath=self.filepath,
+                directory=self.directory,
+                files=files,
+                **_settings_of(self),
+            )
+        except RuntimeError as error:
+            self.report({"ERROR"}, str(error).removeprefix("Error: ").strip())
+            return {"CANCELLED"}
+        return {"FINISHED"}
 
 
 class PLANAR_OT_make_cutout(Cutting, bpy.types.Operator):
@@ -248,6 +276,12 @@ class PLANAR_OT_make_cutout(Cutting, bpy.types.Operator):
         self.draw_settings(column)
 
 
+def _settings_of(operator: FromFiles) -> dict[str, Any]:
+    """All that can be seen in the panel."""
+    names = (item.identifier for item in operator.properties.rna_type.properties if not item.is_hidden)
+    return {name: getattr(operator, name) for name in names if name != "rna_type"}
+
+
 def _mode_refusal(context: bpy.types.Context) -> str | None:
     return (
         None if context.mode == "OBJECT" else "Cutouts are made in Object Mode: leave the current mode first"
@@ -273,4 +307,9 @@ class PLANAR_FH_cutout(bpy.types.FileHandler):
         return context.area is not None and context.area.type == "VIEW_3D" and context.mode == "OBJECT"
 
 
-CLASSES: tuple[Any, ...] = (PLANAR_OT_cutout_from_image, PLANAR_OT_make_cutout, PLANAR_FH_cutout)
+CLASSES: tuple[Any, ...] = (
+    PLANAR_OT_cutout_from_image,
+    PLANAR_OT_choose_images,
+    PLANAR_OT_make_cutout,
+    PLANAR_FH_cutout,
+)

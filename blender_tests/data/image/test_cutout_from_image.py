@@ -16,6 +16,7 @@ from pictures import (
     cutout,
     letter,
     new_image,
+    pixels_of,
     save,
 )
 from support import add_pins
@@ -168,10 +169,10 @@ def test_several_files_can_be_parts_of_one_object(tmp_path):
     assert list(bpy.data.objects) == [obj]
     assert len(bpy.data.meshes) == 1
     assert obj.data.materials.keys() == ["legs", "body"]
-    depths = np.round(corner_places(obj)[:, 1], 5)
-    assert set(depths.tolist()) == {0.0, -0.02}
+    depths = [round(float(depth), 4) for depth in corner_places(obj)[:, 1]]
+    assert set(depths) == {0.0, -0.02}
     numbers = [face.material_index for face in obj.data.polygons for _ in face.vertices]
-    assert {(number, depth) for number, depth in zip(numbers, depths.tolist(), strict=True)} == {
+    assert {(number, depth) for number, depth in zip(numbers, depths, strict=True)} == {
         (0, 0.0),
         (1, -0.02),
     }
@@ -232,6 +233,20 @@ def test_an_image_that_has_changed_on_the_disk_is_read_anew(drawing, tmp_path):
     shown = covered(cutout(drawing), (120, 80))
     assert not shown[100, 20]
     assert len(bpy.data.images) == 1
+
+
+def test_what_has_been_painted_on_an_image_and_not_saved_is_not_lost(drawing):
+    image = texture(cutout(drawing)).image
+    painted = pixels_of(blobs((40, 60)))
+    image.pixels.foreach_set(painted.ravel())
+    image.update()
+    with pytest.raises(RuntimeError, match="'hero.png' has been painted on: save the image first"):
+        cutout(drawing)
+    assert image.is_dirty
+    assert np.array_equal(np.array(image.pixels) > 0.5, painted.ravel() > 0.5)
+    image.save()
+    shown = covered(cutout(drawing), (120, 80))
+    assert (shown[60, 40], shown[100, 20]) == (True, False)
 
 
 def test_one_file_by_its_path(drawing):

@@ -54,7 +54,8 @@ def image_plane(image, uvs=CORNERS, *, name="Plane"):
     )
     obj.data.uv_layers.new(name="Map").data.foreach_set("uv", uvs.astype(np.float32).ravel())
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    if material.node_tree is None:  # from 5.0 each has one
+        material.use_nodes = True
     node = material.node_tree.nodes.new("ShaderNodeTexImage")
     node.image = image
     material.node_tree.links.new(

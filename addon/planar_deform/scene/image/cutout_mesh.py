@@ -10,6 +10,7 @@ from ...model.image.cutting import Drawing
 from ...model.image.placement import affine_fit, carried
 from ...model.plane.frame import Array32, Indices
 from ..flatten import uv_maps
+from ..objects.adding import link_beside
 from .image_plane import ImagePlane
 
 
@@ -29,11 +30,11 @@ def swap(plane: ImagePlane, drawing: Drawing, *, separate: bool = False) -> list
     obj.data.name = name
     objects = [obj]
     for mesh in meshes[1:]:
-        objects.append(obj.copy())
-        objects[-1].data = mesh
-        mesh.name = objects[-1].name
-        for collection in obj.users_collection:
-            collection.objects.link(objects[-1])
+        island = obj.copy()
+        island.data = mesh
+        mesh.name = island.name
+        link_beside(bpy.context, obj, island)
+        objects.append(island)
     _show_no_more_than_the_image(plane.texture, drawing)
     return objects
 

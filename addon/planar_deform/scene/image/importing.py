@@ -96,15 +96,17 @@ def restore(image: bpy.types.Image, name: str, value: str) -> None:
 
 
 def _load(undoing: Undoing, path: Path) -> bpy.types.Image:
-    """The image of a file, as it is on the disk now."""
+    """The image of a file, as it is on the disk now. Raises Refusal."""
     known = _identities("images")
     try:
         image = bpy.data.images.load(str(path), check_existing=True)
     except RuntimeError as error:
         raise Refusal(f"{path} cannot be read as an image: export it again, as PNG say") from error
     if image.session_uid in known:
+        if image.is_dirty:  # Blender's import would read it anew
+            raise Refusal(f"'{image.name}' has been painted on: save the image first, with Image > Save")
         undoing.note_image(image)
-        if not image.is_dirty and image.packed_file is None:
+        if image.packed_file is None:
             image.reload()
     return image
 

@@ -145,7 +145,10 @@ def file_key(image: bpy.types.Image) -> Key | None:
     """Tells whether an image that has just been loaded is as it was before; None where no file tells."""
     if image.source != "FILE" or image.is_dirty or image.packed_file is not None:
         return None
-    state = path_of(image).stat()
+    try:
+        state = path_of(image).stat()
+    except OSError:  # it is gone by now
+        return None
     return (image.filepath, state.st_mtime_ns, state.st_size, image.alpha_mode != "NONE")
 
 

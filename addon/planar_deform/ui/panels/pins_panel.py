@@ -98,6 +98,8 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         )
         if reason is not None:
             lines(layout, reason, "INFO", context)
+        if obj is None:
+            layout.operator("planar.cutout_from_image", icon="IMAGE_DATA")
         if obj is None or obj.type not in {"MESH", "LATTICE"}:
             return
         if reason is None and obj.type == "MESH" and coarseness.of(obj):
@@ -108,6 +110,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
                 context,
             )
             layout.operator("planar.refine_mesh", icon="MOD_SUBSURF")
+            layout.operator("planar.make_cutout", icon="OUTLINER_OB_IMAGE")
         if reason is None and obj.type == "MESH" and file_state.is_changed(obj):
             lines(layout, "The image has been changed on disk", "INFO", context)
             again = layout.operator("planar.remesh", text="Reload and Remesh", icon="FILE_REFRESH")

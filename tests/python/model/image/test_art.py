@@ -90,6 +90,20 @@ def test_of_a_window_only_what_it_shows():
     assert found.points.min(axis=0) == pytest.approx([60, 20], abs=2)
 
 
+def test_islands_come_apart_the_largest_first():
+    found = cut(art_of(painted(disc(x=15, radius=8) | disc(x=60, radius=22))).alpha, Settings(vertices=200))
+    large, small = found.separated()
+    assert len(large.points) + len(small.points) == len(found.points)
+    assert len(large.triangles) + len(small.triangles) == len(found.triangles)
+    assert large.points[:, 0].min() > 30 > small.points[:, 0].max()
+    for part in (large, small):
+        assert part.triangles.max() == len(part.points) - 1
+        (ring,) = part.rings
+        sides = part.points[np.roll(ring, -1)] - part.points[ring]
+        x, y = part.points[ring].T
+        assert (x * sides[:, 1] - y * sides[:, 0]).sum() > 0, "the art is on the left of its ring"
+
+
 def test_nothing_to_cut_out_is_told():
     clear = np.zeros((HEIGHT, WIDTH), np.uint8)
     with pytest.raises(NoArt, match="all of it is transparent: export it"):
