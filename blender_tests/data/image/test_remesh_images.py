@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from pictures import blobs, corner_places, corner_uvs, covered, cutout, letter, pixels_of, save
+from pictures import blobs, corner_places, corner_uvs, covered, cutout, letter, pixels_of, plane, save
 from remeshed import area, assert_in_place, held, painted, remesh, repaint
 from sequences import go_to, key, pull, stored
 from support import add_pins, bar, measured
@@ -122,3 +122,17 @@ def test_layers_keep_their_images_and_depths(tmp_path):
     now = [sum(f.area for f in obj.data.polygons if f.material_index == slot) for slot in (0, 1)]
     assert now == pytest.approx(areas, rel=0.1)
     assert bpy.data.images["low.png"].size[:] == pixels_of(blobs((40, 60))).shape[1::-1]
+
+
+def test_an_image_plane_with_pins_becomes_a_cutout_that_keeps_them(tmp_path):
+    obj = plane(tmp_path)
+    linear = pixel_map(obj)
+    for x, y in ((20, 15), (20, 100), (65, 100)):
+        at = np.array([x / 80, y / 120, 1.0]) @ linear
+        assert bpy.ops.planar.add_pin(location=at.tolist()) == {"FINISHED"}
+    before = held(obj)
+    remesh(obj, source="IMAGE", vertices=700)
+    assert_in_place(obj, before)
+    assert_pixels_in_place(obj, linear)
+    assert covered(obj, letter().shape)[letter()].all()
+    assert covered(obj, letter().shape).sum() < 1.5 * letter().sum()

@@ -161,6 +161,7 @@ OPERATORS = (
     *("edit_sequence", "thin_poses", "transfer_motion", "bake", "refine_mesh", "remesh"),
     *("fit_lattice", "add_to_lattice", "apply_lattice", "solve_to_targets", "bake_targets"),
     *("flatten", "push_to_uv_map", "refresh_from_surface", "export_pattern"),
+    *("cutout_from_image", "choose_images", "make_cutout"),
 )
 
 
