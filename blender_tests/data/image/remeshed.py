@@ -35,7 +35,7 @@ def held(obj):
     return dict(zip(names, np.array(places), strict=True))
 
 
-def assert_in_place(obj, before, within=SAME, patches=0.03):
+def assert_in_place(obj, before, within=SAME, patches=0.05):
     """Pins are where they were, to a share of the size; the middle of a patch nearly."""
     from planar_deform.scene.objects.cutout_object import begin
 

@@ -19,14 +19,16 @@ from .filling import Filling, Piece
 
 SAMPLES = 1000  # along the longer side: native.cutout() works on up to 1024
 FEWEST = 96  # of a small part
-PER_EDGE = (
-    22.0  # samples: of a coarser image notches close, of a finer one the outline asks for more vertices
-)
+FEWEST_EDGES = 3.0  # along it
+PER_EDGE = 66.0  # samples: finer ones tell nothing of an outline that so long edges follow
 AWAY = 2.0  # samples: what native.cutout() stays away from art at least
+# Of an edge, where that is more: its straight lines leave the outline by nearly as much. With more, tips grow
+# and close the notches beside them; with less, 500 vertices are not enough for any character.
+SIMPLER = 1.0 / 11.0
 GAP = 1.0  # samples: notches narrower than twice this are closed
 PAD = 6  # samples around
-ROUNDED = 1.0  # samples that a corner may lose
-STEP = 0.25  # samples between the points of the outline from which distances are measured
+ROUNDED = 0.5  # of the way that the image is shrunk: what a right angle, or a wider one, may lose
+STEP = 0.5  # samples between the points of the outline from which distances are measured
 ATTEMPTS = 3
 NEAR_WISH, NEAR_ENOUGH = 0.1, 0.25  # of the wished vertices: to try no more, and to say nothing
 COVERED = 0.85  # of its triangles' areas: what covers less lies over itself
@@ -95,15 +97,17 @@ def _filled(rest: Array, triangles: Indices, edge: float, wish: Wish) -> tuple[A
     edges = contour(triangles)
     low = rest[triangles].min(axis=(0, 1))
     extent = float((rest[triangles].max(axis=(0, 1)) - low).max())
+    edge = min(edge, extent / FEWEST_EDGES)
     samples = float(np.clip(PER_EDGE * extent / edge, FEWEST, SAMPLES))
     scale = samples / extent
-    pad = PAD + int(np.ceil(wish.grown * scale))
+    pad = PAD + int(np.ceil(SIMPLER * edge * scale + wish.grown * scale))
     ends = (rest[edges] - low) * scale + pad
-    alpha = shrunk(ends)
+    away = max(AWAY, SIMPLER * edge * scale)
+    alpha = shrunk(ends, away)
     found = native.cutout(
         alpha.astype(np.uint8) * 255,
         edge=edge * scale,
-        margin=AWAY + wish.grown * scale,
+        margin=away + wish.grown * scale,
         rounding=GAP,
         holes="FILL" if wish.fill else "KEEP",
         smallest=0.0,
@@ -116,17 +120,17 @@ def _filled(rest: Array, triangles: Indices, edge: float, wish: Wish) -> tuple[A
     return points, found.triangles
 
 
-def shrunk(ends: Array) -> Mask:
-    """The samples of an image within an outline and AWAY from it, and those that keep thin parts and tips.
+def shrunk(ends: Array, away: float = AWAY) -> Mask:
+    """The samples of an image within an outline and `away` from it, and those that keep thin parts and tips.
 
     `ends`: the edges of the outline, k x 2 x 2 in samples from the lower left corner, the inside on the left.
     """
-    width, height = np.ceil(ends.max(axis=(0, 1))).astype(int) + PAD
-    inside, distances = _covered(ends, height, width), _distances(ends, height, width)
+    width, height = np.ceil(ends.max(axis=(0, 1))).astype(int) + PAD + int(away)
+    inside, distances = _covered(ends, height, width), _distances(ends, height, width, away)
     if not inside.any():  # thinner than a sample
-        inside = distances <= ROUNDED
-    core = inside & (distances > AWAY)
-    lost = inside & ~_grown(core, AWAY + ROUNDED)
+        inside = distances <= 1.0
+    core = inside & (distances > away)
+    lost = inside & ~_grown(core, (1.0 + ROUNDED) * away + 1.0)
     return core | lost
 
 
@@ -152,8 +156,8 @@ def _covered(ends: Array, height: int, width: int) -> Mask:
     return np.asarray(np.cumsum(turns, axis=1) > 0)
 
 
-def _distances(ends: Array, height: int, width: int) -> Array:
-    """The distance of each sample to the outline, exact to STEP/8 up to AWAY, infinite beyond."""
+def _distances(ends: Array, height: int, width: int, away: float) -> Array:
+    """The distance of each sample to the outline, exact to STEP/16 up to `away`, infinite beyond."""
     sides = ends[:, 1] - ends[:, 0]
     counts = np.maximum(np.ceil(np.linalg.norm(sides, axis=1) / STEP).astype(int), 1)
     edge = np.repeat(np.arange(len(ends)), counts)
@@ -161,7 +165,7 @@ def _distances(ends: Array, height: int, width: int) -> Array:
     points = ends[edge, 0] + share[:, None] * sides[edge]
     cells = np.floor(points).astype(int)
     result = np.full((height, width), np.inf)
-    for dx, dy in _disc(AWAY + 1.0):
+    for dx, dy in _disc(away + 1.0):
         column, row = cells[:, 0] + dx, cells[:, 1] + dy
         gap = np.hypot(column + 0.5 - points[:, 0], row + 0.5 - points[:, 1])
         np.minimum.at(result, (row, column), gap)
