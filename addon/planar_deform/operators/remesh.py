@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from functools import partial
 
 import bpy
@@ -44,8 +45,7 @@ class PLANAR_OT_remesh(CuttingSettings, LongOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> Job:
         obj = context.object
-        if not self.properties.is_property_set("source") and not remesh_source.shows_image(obj):
-            self.source = "OUTLINE"
+        chosen = self.reload or self.properties.is_property_set("source")
         drawing = begin(context, unkeyed=True)
         reason = remesh_refusals.thorough_refusal(obj)
         if reason is not None:
@@ -53,15 +53,28 @@ class PLANAR_OT_remesh(CuttingSettings, LongOperator, bpy.types.Operator):
         if self.reload:
             file_state.reload(obj)
         now = remesh_source.present(obj, drawing)
-        make = remesh_source.of_images if self.source == "IMAGE" else remesh_source.of_outline
-        remesh = Remesh(obj, now, make(obj, now, self.settings()))
-        return Job(remesh.write, remesh.solve, partial(self._summary, len(drawing.rest)))
-
-    def _summary(self, before: int, new: Carried) -> str:
-        obj = bpy.context.object
+        if not chosen and not remesh_source.shows_image(obj):
+            self.source = "OUTLINE"
+        source, told = None, ""
         if self.source == "IMAGE":
-            file_state.remember(obj)
-        return "; ".join([f"'{obj.name}': {len(new.rest)} vertices instead of {before}", *new.said])
+            try:
+                source = remesh_source.of_images(obj, now, self.settings())
+            except Refusal as reason:
+                if chosen:
+                    raise
+                self.source, told = "OUTLINE", f"; by its outline: {reason}"
+        current = source is not None and (self.reload or not file_state.is_changed(obj))
+        remesh = Remesh(obj, now, source or remesh_source.of_outline(obj, now, self.settings()))
+        summary = partial(self._summary, obj.name, len(drawing.rest), told)
+        return Job(partial(self._write, remesh, current), remesh.solve, summary)
+
+    def _write(self, remesh: Remesh, current: bool, new: Carried) -> Generator[float, None, None]:
+        yield from remesh.write(new)
+        if current:
+            file_state.remember(bpy.context.object)
+
+    def _summary(self, name: str, before: int, told: str, new: Carried) -> str:
+        return "; ".join([f"'{name}': {len(new.rest)} vertices instead of {before}{told}", *new.said])
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()

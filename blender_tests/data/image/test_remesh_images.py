@@ -136,3 +136,38 @@ def test_an_image_plane_with_pins_becomes_a_cutout_that_keeps_them(tmp_path):
     assert_pixels_in_place(obj, linear)
     assert covered(obj, letter().shape)[letter()].all()
     assert covered(obj, letter().shape).sum() < 1.5 * letter().sum()
+
+
+def test_without_a_choice_an_image_that_does_not_fit_gives_way_to_the_outline(tmp_path, capfd):
+    obj = cutout(save(tmp_path, "hero.png", letter()), vertices=300)
+    uvs = obj.data.uv_layers.active.uv
+    for loop in obj.data.loops:
+        uvs[loop.index].vector.x += 0.3 * uvs[loop.index].vector.y ** 2
+    before = area(obj)
+    assert bpy.ops.planar.remesh(vertices=600) == {"FINISHED"}
+    assert "by its outline: 'hero' does not show its image evenly" in capfd.readouterr().out
+    assert area(obj) == pytest.approx(before, rel=1e-2)
+    with pytest.raises(RuntimeError, match="evenly"):
+        bpy.ops.planar.remesh(source="IMAGE")
+
+
+def test_a_changed_image_that_was_not_read_is_still_told_of(tmp_path):
+    from planar_deform.scene.image import file_state
+
+    obj, path = painted(tmp_path)
+    repaint(path, blobs((40, 60)))
+    remesh(obj, source="IMAGE", vertices=500)  # of what Blender has in memory
+    assert file_state.is_changed(obj)
+
+
+def test_pins_on_what_is_no_more_are_told_of(tmp_path, capfd):
+    obj, path = painted(tmp_path)
+    art = letter()
+    art[60:] = False
+    repaint(path, art)
+    count = len(held(obj))
+    capfd.readouterr()
+    remesh(obj, source="IMAGE", reload=True, vertices=500)
+    assert "hold the point of it that is nearest: Pin" in capfd.readouterr().out
+    assert len(held(obj)) == count
+    assert bpy.ops.planar.drag_pins(offset=(0.0, 0.01)) == {"FINISHED"}

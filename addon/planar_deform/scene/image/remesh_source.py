@@ -127,11 +127,11 @@ def _layers(obj: bpy.types.Object, now: Present) -> list[Layer]:
                 break
         else:
             found.append((slot, placement, [part]))
-    slots = [slot for slot, _, _ in found]
+    images = [_texture(obj, slot).image for slot, _, _ in found]
     layers = []
     for slot, placement, parts in found:
         node = _texture(obj, slot)
-        alone = slots.count(slot) == 1 and _is_alone(obj, node.image)
+        alone = images.count(node.image) == 1 and _is_alone(obj, node.image)
         to_plane = now.drawing.rest_places
         own = np.array(parts, np.int32)
         layers.append(Layer(node.image.name, _art(node), placement, to_plane, own, alone))

@@ -39,7 +39,7 @@ from ..storage.vertex_groups import Members, members
 from .remesh_source import Present, Source
 
 SOLVED = 0.5  # of the progress, where the new mesh is made
-MOST_TOLD = 4  # patches
+MOST_TOLD = 4  # names
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ class HeldBefore:
 class Carried:
     """All that is to be written."""
 
-    filling: Filling
     rest: Array32  # k x 3
+    stored: Array32 | None  # k x 3, the rest that the mesh holds, if it does
     own: Array32  # k x 3, the mesh's own coordinates
     blocks: dict[str, Array32]  # by the names of shape keys
     faces: NewFaces
@@ -81,9 +81,12 @@ class Remesh:
         mesh = obj.data
         self._now, self._source = now, source
         self._own = points.read(obj)
+        self._frame = bpy.context.scene.frame_current_final
         keys = mesh.shape_keys
         blocks = [] if keys is None else list(keys.key_blocks)
         self._blocks = {block.name: points.read_block(obj, block) for block in blocks}
+        stored = rest_shape.stored_of(mesh)
+        self._held_rest = stored if keys is not None or stored is None else now.rest
         self._attributes = attributes.read(mesh)
         self._materials, self._smooth = face_settings(mesh)
         self._face_of = face_of_corners(mesh)
@@ -120,10 +123,11 @@ class Remesh:
             flipped.append("the shape shown")
         faces, carried = self._faces(filling, hung, own)
         pins = [self._pin(filling, hung, cutout, held) for held in self._held]
-        said = (*filling.said, *self._patches_said(hung, pins))
+        said = (*filling.said, *self._patches_said(hung, pins), *self._outside_said(cutout, pins))
         if flipped:
-            said += (f"triangles are turned over in {', '.join(flipped[:3])}: use Settle Pose there",)
-        return Carried(filling, rest, own, blocks, faces, carried, pins, cutout, said)
+            said += (f"triangles are turned over in {_listed(flipped)}: use Settle Pose there",)
+        stored = None if self._held_rest is None else self._stored(hung, self._held_rest)
+        return Carried(rest, stored, own, blocks, faces, carried, pins, cutout, said)
 
     def _stored(self, hung: Carrying, shape: Array32) -> Array32:
         with np.errstate(over="ignore"):
@@ -218,10 +222,19 @@ class Remesh:
                 )
                 if len(rows) != len(held.holder.pin.vertices):
                     told.append(f"{held.name} ({len(held.holder.pin.vertices)} to {len(rows)})")
+        return (f"patches hold other vertices: {_listed(told)}",) if told else ()
+
+    def _outside_said(self, cutout: Cutout, pins: list[Binding | None]) -> tuple[str, ...]:
+        told = []
+        for held, binding in zip(self._held, pins, strict=True):
+            if binding is not None and held.holder.pin.kind == "POINT":
+                place = held.holder.place(held.holder.cutout.rest)
+                gap = np.linalg.norm(binding[1] / binding[1].sum() @ cutout.rest[binding[0]] - place)
+                if gap > SAME_PLACE * cutout.diagonal:
+                    told.append(held.name)
         if not told:
             return ()
-        more = f" and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
-        return (f"patches hold other vertices: {', '.join(told[:MOST_TOLD])}{more}",)
+        return (f"pins outside of the new mesh hold the point of it that is nearest: {_listed(told)}",)
 
     # -- writing
 
@@ -233,7 +246,7 @@ class Remesh:
         changes.tell(obj)  # of what a script has done Blender tells later
         fresh = up_to_date.found(obj)
         copies = _copies_as_made(obj)
-        owner, stored = mesh_edits.owner_of(mesh) or rest_shape.new_owner(), rest_shape.stored_of(mesh)
+        owner = mesh_edits.owner_of(mesh) or rest_shape.new_owner()
         had_owners = rest_shape.owners_of(mesh) is not None
         solved = obj.planar.solved_stiffness == self._now.drawing.stiffness_stamp
         new_faces.replace(mesh, new.faces)
@@ -243,7 +256,7 @@ class Remesh:
         for name, shape in new.blocks.items():
             points.write_block(mesh.shape_keys.key_blocks[name], shape)
         owners = np.full(len(new.rest), owner, np.int32) if had_owners else None
-        rest_shape.put_back(mesh, None if stored is None else new.rest, owners)
+        rest_shape.put_back(mesh, new.stored, owners)
         points.update(obj)
         self._write_pins(obj, new)
         if solved and obj.planar.solved_stiffness:
@@ -262,11 +275,12 @@ class Remesh:
             owner = bpy.data.objects[held.owner]
             if binding is not None:
                 pin_list.rebind(owner, owner.planar.pins[held.holder.pin.key], *binding)
+        elsewhere = bpy.context.scene.frame_current_final != self._frame  # the timeline has gone on
         shape = new.own if obj.data.shape_keys is None else pose_state.shown_points(obj)
         shown = self._now.drawing.from_local(shape.astype(np.float64))
         groups = members(obj, {held.pin_of(obj).group for held in self._held if held.owner == obj.name})
         for held in self._held:
-            if held.owner == obj.name and held.stays:
+            if held.owner == obj.name and held.stays and not elsewhere:
                 pin = held.pin_of(obj)
                 rows, weights = groups[pin.group]
                 inside = weights > 0.0
@@ -281,6 +295,11 @@ class Remesh:
             target = drawing.from_local(np.array([pin.target], np.float64))[0] + moved
             pin.target = drawing.to_local(target[None, :], part)[0]
         pin.reached = drawing.to_local(place[None, :], part)[0]
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - MOST_TOLD} more" if len(names) > MOST_TOLD else ""
+    return ", ".join(names[:MOST_TOLD]) + more
 
 
 def _held(obj: bpy.types.Object, now: Present) -> list[HeldBefore]:
