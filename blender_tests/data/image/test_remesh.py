@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from drawings import character, extremes
+from drawings import DRAWINGS, character, extremes
 from remeshed import area, assert_in_place, coarse_bar, group, held, remesh, weights
 from support import TRANSFORMS, activate, add_pins, bar, coordinates, grid, make_object, measured, world
 
@@ -60,6 +60,30 @@ def test_holes_parts_and_depths_stay():
     assert begin(bpy.context).parts.max() == 1
     remesh(vertices=600, holes="FILL")
     assert area(obj) == pytest.approx(before + 4.0 / 9.0, rel=1e-2)
+
+
+@pytest.mark.parametrize("name", ["text", "outline"])
+def test_drawings_from_elsewhere_of_long_triangles_and_ngons(name):
+    obj = DRAWINGS[name]()
+    rows = extremes(obj)
+    add_pins(obj, *([row] for row in rows))
+    before, size = held(obj), area(obj)
+    remesh(obj, vertices=1200)
+    assert area(obj) == pytest.approx(size, rel=2e-2)
+    assert_in_place(obj, before)
+    assert bpy.ops.planar.drag_pins(offset=(0.02, 0.03)) == {"FINISHED"}
+    assert measured(obj).flipped == 0
+
+
+def test_as_few_and_as_fine_as_can_be():
+    obj = bar()
+    remesh(vertices=3)
+    assert 3 <= len(obj.data.vertices) < 150
+    assert area(obj) == pytest.approx(2.0, rel=3e-2)
+    with pytest.raises(RuntimeError, match="cannot be filled"):
+        bpy.ops.planar.remesh(source="OUTLINE", density="EDGE", edge=0.01)
+    remesh(vertices=20_000)
+    assert 15_000 < len(obj.data.vertices) < 25_000
 
 
 # ---- pins and weights
