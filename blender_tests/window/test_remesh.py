@@ -2,7 +2,6 @@
 """Remesh by hand: of a posed and keyed drawing, with settings changed after that, and of a repainted one."""
 
 import os
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,18 +12,10 @@ import numpy as np
 from cutouts import active, pin
 from harness import Window, addon
 from poses import go_to
+from test_cutout import doll, field
 from test_menus import search
 
 SCALE = 600.0  # pixels a unit
-
-
-def save(folder: Path, picture: np.ndarray) -> Path:
-    image = bpy.data.images.new("doll", imported.WIDTH, imported.HEIGHT, alpha=True)
-    image.pixels.foreach_set(picture.ravel())
-    image.filepath_raw, image.file_format = str(folder / "doll.png"), "PNG"
-    image.save()
-    bpy.data.images.remove(image)
-    return folder / "doll.png"
 
 
 def place(pixel: tuple[float, float]) -> tuple[float, float, float]:
@@ -34,8 +25,7 @@ def place(pixel: tuple[float, float]) -> tuple[float, float, float]:
 
 def keyed_doll(window: Window) -> Iterator[None]:
     """A cutout of the doll, with an arm up at frame 13, filled between."""
-    path = save(Path(tempfile.mkdtemp()), imported.painted())
-    bpy.ops.planar.cutout_from_image(filepath=str(path), vertices=1500)
+    bpy.ops.planar.cutout_from_image(filepath=str(doll()), vertices=1500)
     yield from window.look("FRONT", distance=4.5)
     window.area.spaces.active.shading.color_type = "TEXTURE"
     yield from window.use_tool()
@@ -80,18 +70,6 @@ def done(window: Window) -> Iterator[None]:
         yield
     yield from window.wait(0.3)
     assert bpy.context.window_manager.operators[-1].bl_idname == "PLANAR_OT_remesh", window.reports()
-
-
-def field(window: Window, value: str) -> Iterator[None]:
-    """Move the mouse to the field of a number, in the popup that is under it."""
-    x, start = window.mouse[0] + 200, window.mouse[1]
-    for y in range(start + 40, start - 420, -7):
-        yield from window.move((x, y))
-        bpy.context.window_manager.clipboard = ""
-        yield from window.key("C", ctrl=True)
-        if bpy.context.window_manager.clipboard.startswith(value):
-            return
-    raise AssertionError(f"no field with {value}")
 
 
 def test_a_keyed_drawing_is_remeshed_changed_and_undone(window: Window) -> Iterator[None]:
@@ -140,7 +118,7 @@ def test_a_repainted_drawing_is_offered_and_taken_in(window: Window) -> Iterator
     path = Path(bpy.path.abspath(bpy.data.images["doll.png"].filepath))
     picture = imported.painted()
     picture[150:210, 60:420] = (0.9, 0.8, 0.1, 1.0)  # a skirt
-    save(path.parent, picture)
+    imported.save_png(path, picture)
     later = time.time() + 10.0
     os.utime(path, (later, later))
     yield from window.wait(1.2)  # files are looked at once a second

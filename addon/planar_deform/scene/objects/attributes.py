@@ -13,11 +13,18 @@ from numpy.typing import NDArray
 from ...model.plane.carrying import Carrying
 from ..storage.migration import OWNER, REST, SEEN
 
-# The field and the size of each kind; those of the first line are between their neighbours between them.
-BLENDED = {"FLOAT": ("value", 1), "FLOAT2": ("vector", 2), "FLOAT_VECTOR": ("vector", 3),
-           "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}  # fmt: skip
-CHOSEN = {
-    **dict.fromkeys(("INT", "INT8", "BOOLEAN"), ("value", 1)),
+# The field and the size of each kind. Between vertices the first ones are blended; the others do not change.
+BLENDED = {
+    "FLOAT": ("value", 1),
+    "FLOAT2": ("vector", 2),
+    "FLOAT_VECTOR": ("vector", 3),
+    "FLOAT_COLOR": ("color", 4),
+    "BYTE_COLOR": ("color", 4),
+}
+FIELDS = BLENDED | {
+    "INT": ("value", 1),
+    "INT8": ("value", 1),
+    "BOOLEAN": ("value", 1),
     "INT16_2D": ("value", 2),
     "INT32_2D": ("value", 2),
     "QUATERNION": ("value", 4),
@@ -61,9 +68,9 @@ def read(mesh: bpy.types.Mesh) -> list[Attribute]:
         name, kind = attribute.name, attribute.data_type
         if name in OURS or name in BUILT_IN or name.startswith("."):
             continue
-        if attribute.domain not in {"POINT", "CORNER", "FACE"} or kind not in {**BLENDED, **CHOSEN}:
+        if attribute.domain not in {"POINT", "CORNER", "FACE"} or kind not in FIELDS:
             continue
-        field, size = {**BLENDED, **CHOSEN}[kind]
+        field, size = FIELDS[kind]
         values: NDArray[Any] = np.empty(len(attribute.data) * size, _type_of(kind))
         attribute.data.foreach_get(field, values)
         found.append(Attribute(name, attribute.domain, kind, values.reshape(-1, size)))
@@ -72,7 +79,7 @@ def read(mesh: bpy.types.Mesh) -> list[Attribute]:
 
 def write(mesh: bpy.types.Mesh, attribute: Attribute, values: NDArray[Any]) -> None:
     """Give an attribute, which the mesh has, its values."""
-    field, _ = {**BLENDED, **CHOSEN}[attribute.kind]
+    field, _ = FIELDS[attribute.kind]
     data = mesh.attributes[attribute.name].data
     data.foreach_set(field, np.ascontiguousarray(values, dtype=_type_of(attribute.kind)).ravel())
 
