@@ -170,3 +170,44 @@ def test_undo_and_redo_bring_all_back_to_the_bit():
     history.undo_all()
     history.redo_all()
     history.undo_all()
+
+
+def test_a_duplicate_is_left_alone_and_a_file_brings_all_back(tmp_path):
+    obj = keyed()
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    assert copy != obj
+    shown = shown_at(copy, 7)
+    before = everything(copy)
+    remesh(obj, vertices=700)
+    obj.name = "Renamed"
+    assert everything(copy) == before
+    assert np.array_equal(shown_at(copy, 7), shown)
+    made, frames = without_shapes(obj), [shown_at(obj, frame) for frame in (1, 7, 25)]
+    path = str(tmp_path / "remeshed.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    obj = bpy.data.objects["Renamed"]
+    assert without_shapes(obj)[0] == made[0]
+    for frame, was in zip((1, 7, 25), frames, strict=True):
+        assert np.array_equal(shown_at(obj, frame), was)
+    assert stale(obj) == []
+    activate(obj)
+    remesh(obj, vertices=400)
+    assert stale(obj) == []
+
+
+def test_edits_by_hand_and_moves_after_it_are_followed():
+    """Applied transforms take poses and pins along, as they do on a mesh that was always that one."""
+    obj = keyed()
+    remesh(obj, vertices=500)
+    obj.scale, obj.rotation_euler.z = (2.0, 2.0, 2.0), 0.5
+    activate(obj)
+    places = held(obj)
+    go_to(13)
+    shown = world(obj, shown_at(obj, 13))
+    assert bpy.ops.object.transform_apply(location=False, rotation=True, scale=True) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert np.abs(world(obj, shown_at(obj, 13)) - shown).max() < 1e-5
+    assert stale(obj) == []
+    assert len(held(obj)) == len(places)
