@@ -11,6 +11,7 @@ import imported
 import numpy as np
 from cutouts import active
 from harness import Window, addon
+from poses import pin_place
 from test_menus import search
 
 ORANGE = (255, 140, 26)  # the preview's outline
@@ -176,7 +177,7 @@ def test_many_files_show_how_far_they_are_and_escape_leaves_nothing(window: Wind
     assert not window.reports().count("Error"), window.reports()
 
 
-def test_a_plane_that_is_there_becomes_a_cutout_and_is_pinned(window: Window) -> Iterator[None]:
+def test_a_plane_that_is_there_becomes_a_cutout(window: Window) -> Iterator[None]:
     yield from looking(window)
     path = doll()
     with window.context():
@@ -186,22 +187,53 @@ def test_a_plane_that_is_there_becomes_a_cutout_and_is_pinned(window: Window) ->
     bpy.ops.ed.undo_push(message="Plane")
     yield from search(window, "Make Cutout")
     yield from done(window, "PLANAR_OT_make_cutout")
-    obj = active()
-    assert obj.name == "doll"
-    assert len(obj.data.polygons) > 1000
+    assert active().name == "doll"
+    assert len(active().data.polygons) > 1000
     assert outlined(window) > 40
-    yield from window.use_tool()
-    for x, y in (imported.HEAD, imported.BELLY, imported.LEFT_HAND):
-        yield from window.click(window.pixel(((x - 240) / 600, 0.0, (y - 320) / 600)), ctrl=True)
-    assert len(obj.planar.pins) == 3
-    hand = ((imported.LEFT_HAND[0] - 240) / 600, 0.0, (imported.LEFT_HAND[1] - 320) / 600)
-    before = np.array([vertex.co for vertex in obj.data.vertices])
-    yield from window.drag(window.pixel(hand), window.pixel((hand[0], 0.0, hand[2] + 0.2)))
-    window.picture("cutout_posed")
-    moved = np.linalg.norm(np.array([vertex.co for vertex in obj.data.vertices]) - before, axis=1)
-    assert moved.max() > 0.1
+    yield from window.undo()
+    assert len(active().data.polygons) == 1
     assert not window.reports().count("Error"), window.reports()
+
+
+def at(pixel: tuple[int, int]) -> tuple[float, float, float]:
+    """A pixel of the doll in the world."""
+    return ((pixel[0] - imported.WIDTH / 2) / 600, 0.0, (pixel[1] - imported.HEIGHT / 2) / 600)
+
+
+def test_dropped_pinned_dragged_keyed_and_filled_in(window: Window) -> Iterator[None]:
+    """The way that the README begins with."""
+    yield from looking(window)
+    yield from drop(window, doll())
+    yield from window.key("C")
+    yield from done(window)
+    yield from window.use_tool()
+    for pixel in (imported.HEAD, imported.BELLY, imported.LEFT_HAND):
+        yield from window.click(window.pixel(at(pixel)), ctrl=True)
+    obj = active()
+    assert len(obj.planar.pins) == 3
     assert addon("scene.image.preview").now(bpy.context) is None
+    yield from window.key("I")
+    bpy.context.scene.frame_set(11)
+    x, y, z = at(imported.LEFT_HAND)
+    yield from window.drag(window.pixel((x, y, z)), window.pixel((x + 0.1, y, z + 0.25)))
+    yield from window.key("I")
+    yield from search(window, "Generate In")
+    for _ in range(200):
+        if not window.busy:
+            break
+        yield
+    window.picture("cutout_filled_in")
+    assert len(obj.planar.poses) == 2
+
+    def hand(frame: int) -> np.ndarray:
+        bpy.context.scene.frame_set(frame)
+        return pin_place(2)
+
+    places = np.array([hand(frame) for frame in range(1, 12)])
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    assert steps.min() > 0.0
+    assert steps.sum() > 0.25, "it goes up"
+    assert not window.reports().count("Error"), window.reports()
 
 
 def test_what_cannot_be_cut_out_is_told_in_the_status_bar(window: Window) -> Iterator[None]:

@@ -18,9 +18,9 @@ from bpy.props import (
 
 from ..errors import Refusal
 from ..scene.image import cutout_mesh, file_state, image_plane, preview
-from ..scene.image.cutting import Cut, cuts
+from ..scene.image.cutting import Cut, among, cuts
 from ..scene.image.image_plane import ImagePlane
-from ..scene.image.importing import Undoing, import_planes
+from ..scene.image.importing import Undoing, import_planes, load
 from ..scene.objects.adding import select_alone
 from ..scene.pins import pin_list
 from ..scene.view.shading import show_textures
@@ -137,19 +137,20 @@ class FromFiles(Cutting):
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
         column.use_property_split = True
-        parts = self.layers == "PARTS"
-        self.draw_settings(column, islands=not parts)
+        several = self.several()
+        self.draw_settings(column, islands=not several or self.layers == "OBJECTS")
         column.separator()
-        column.row().prop(self, "layers", expand=True)
-        for name in (
-            "offset",
-            "image_sequence",
-            "size_mode",
-            "factor" if self.size_mode == "DPBU" else "height",
-        ):
+        if several:
+            column.row().prop(self, "layers", expand=True)
+            column.prop(self, "offset")
+            column.prop(self, "image_sequence")
+        size = "factor" if self.size_mode == "DPBU" else "height"
+        for name in ("size_mode", size, "align_axis", "interpolation", "shader"):
             column.prop(self, name)
-        for name in ("align_axis", "interpolation", "shader"):
-            column.prop(self, name)
+
+    def several(self) -> bool:
+        """Whether there may be several files."""
+        return True
 
 
 class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
@@ -166,6 +167,9 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
         bpy.ops.planar.choose_images("INVOKE_DEFAULT", **_settings_of(self))
         return {"CANCELLED"}
 
+    def several(self) -> bool:
+        return len(self._paths()) > 1
+
     def job(self, context: bpy.types.Context) -> Job:
         paths = self._paths()
         if not paths:
@@ -178,11 +182,12 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
     def _write(self, paths: list[Path], told: list[str]) -> Generator[float, None, None]:
         undoing = Undoing(bpy.context)
         try:
-            planes = import_planes(undoing, paths, self._plane_options())
-            yield 0.0
-            found = yield from cuts(planes, self.settings(), loaded=True)
+            loading = load(undoing, paths, sequences=self.image_sequence)
+            images = yield from among(loading, 0, 2)
+            planes = import_planes(undoing, images, paths, self._plane_options())
+            found = yield from among(cuts(planes, self.settings(), loaded=True), 1, 2)
             with undoing.noting():
-                told.append(self.finish(bpy.context, found, join=self.layers == "PARTS"))
+                told.append(self.finish(bpy.context, found, join=self.several() and self.layers == "PARTS"))
         except BaseException:  # a refusal, an error, or closed before its end
             undoing.take_back(bpy.context)
             raise

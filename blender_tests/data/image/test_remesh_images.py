@@ -171,3 +171,13 @@ def test_pins_on_what_is_no_more_are_told_of(tmp_path, capfd):
     assert "hold the point of it that is nearest: Pin" in capfd.readouterr().out
     assert len(held(obj)) == count
     assert bpy.ops.planar.drag_pins(offset=(0.0, 0.01)) == {"FINISHED"}
+
+
+def test_a_plane_that_shows_a_part_of_its_image_stays_within_that(tmp_path):
+    obj = plane(tmp_path)
+    for loop in obj.data.loops:  # the upper half alone
+        uv = obj.data.uv_layers.active.uv[loop.index]
+        uv.vector.y = 0.5 + uv.vector.y / 2
+    remesh(obj, source="IMAGE", vertices=400)
+    assert corner_uvs(obj.data)[:, 1].min() > 0.45
+    assert covered(obj, letter().shape)[60:][letter()[60:]].all()

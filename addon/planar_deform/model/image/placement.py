@@ -47,17 +47,6 @@ class Placement:
         """The places in the mesh's coordinates (k x 3) of k x 2 pixels."""
         return carried(self.uvs(pixels), self.linear)
 
-    def pixels(self, places: Array | Array32) -> Array:
-        """The pixels (k x 2) that are shown at k x 3 places of the mesh's plane."""
-        uvs = (np.asarray(places, np.float64) - self.linear[2]) @ np.linalg.pinv(self.linear[:2])
-        found: Array = uvs * np.array(self.size, np.float64)
-        return found
-
-    @property
-    def pixel(self) -> float:
-        """How long a pixel is in the mesh, the mean of its two sides."""
-        return float(np.mean(np.linalg.norm(self.linear[:2], axis=1) / np.array(self.size)))
-
 
 def placed(uvs: Array | Array32, corners: Array | Array32, normal: Array, size: tuple[int, int]) -> Placement:
     """How a mesh with these corners (c x 3), at c x 2 places of the UV map, shows an image of a size.

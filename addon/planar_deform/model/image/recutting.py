@@ -30,6 +30,7 @@ class Layer:
     placement: Placement
     to_plane: Callable[[Array], Array]  # the mesh's coordinates at rest (k x 3) to those of its plane (k x 2)
     parts: Indices
+    whole: bool  # a plane that shows a window of the image, outside of which nothing is asked for
     alone: bool  # nothing else shows the image: what is new in it belongs here
 
 
@@ -58,7 +59,8 @@ def recut(
 
         art = layer.art()
         wish = replace(settings, vertices=max(3, round(settings.vertices * shares[number])))
-        drawing = cut(art.alpha, wish, progress=tell)
+        window = layer.placement.window if layer.whole else None
+        drawing = cut(art.alpha, wish, window=window, progress=tell)
         told = drawing.said if art.said is None else [art.said, *drawing.said]
         said += [f"'{layer.image}': {sentence}" for sentence in told]
         among = np.isin(part_of, layer.parts)

@@ -41,12 +41,12 @@ def cuts(
     """
     found = []
     for number, plane in enumerate(planes):
-        found.append((yield from _among(_cut(plane, settings, loaded), number, len(planes))))
+        found.append((yield from among(_cut(plane, settings, loaded), number, len(planes))))
     return found
 
 
-def _among(steps: Generator[float, None, Result], number: int, count: int) -> Generator[float, None, Result]:
-    """What one of so many comes to; yields the share done of all."""
+def among(steps: Generator[float, None, Result], number: int, count: int) -> Generator[float, None, Result]:
+    """What one of so many jobs comes to; yields the share done of all."""
     while True:
         try:
             share = next(steps)

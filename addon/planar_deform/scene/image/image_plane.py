@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import bpy
@@ -59,13 +60,16 @@ def refusal(obj: bpy.types.Object) -> str | None:
     return None
 
 
-def read(obj: bpy.types.Object) -> ImagePlane:
-    """What an object shows. Raises Refusal where that is no image, or not as on a plane."""
+def read(obj: bpy.types.Object, sizes: Mapping[bpy.types.Image, tuple[int, int]] | None = None) -> ImagePlane:
+    """What an object shows. Raises Refusal where that is no image, or not as on a plane.
+
+    `sizes` that are known spare Blender from reading files.
+    """
     reason = refusal(obj)
     if reason is not None:
         raise Refusal(reason)
     slot, node = _texture(obj)
-    size = reading.size_of(node.image)
+    size = (sizes or {}).get(node.image) or reading.size_of(node.image)
     mesh = obj.data
     layer = uv_map(obj, node)
     try:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -52,8 +52,8 @@ class Undoing:
         for uid, alpha_mode, filepath in self._images:
             image = next((image for image in bpy.data.images if image.session_uid == uid), None)
             if image is not None:
-                restore(image, "alpha_mode", alpha_mode)
-                restore(image, "filepath", filepath)
+                _restore(image, "alpha_mode", alpha_mode)
+                _restore(image, "filepath", filepath)
         context.view_layer.update()  # before its objects are gone through: 4.2 would crash
         objects = context.view_layer.objects
         for obj in list(objects):
@@ -61,16 +61,35 @@ class Undoing:
         objects.active = None if self._active is None else objects.get(self._active)
 
 
-def import_planes(undoing: Undoing, paths: Sequence[Path], options: Mapping[str, Any]) -> list[ImagePlane]:
-    """Planes that show these files of one folder, in their order; a sequence shows several.
+def load(
+    undoing: Undoing, paths: Sequence[Path], *, sequences: bool = False
+) -> Generator[float, None, list[bpy.types.Image]]:
+    """The images of files, as these are on the disk now; yields the share done. Raises Refusal.
 
-    `options` are those of Blender's image.import_as_mesh_planes. Raises Refusal.
+    `sequences`: most of them may be frames, which are looked at later.
     """
     for path in paths:
         reading.check_file(path)
+    images = []
+    for path in paths:
+        with undoing.noting():
+            images.append(_load(undoing, path))
+        if not sequences:
+            reading.size_of(images[-1])  # Blender reads the file now
+        yield len(images) / len(paths)
+    return images
+
+
+def import_planes(
+    undoing: Undoing, images: Sequence[bpy.types.Image], paths: Sequence[Path], options: Mapping[str, Any]
+) -> list[ImagePlane]:
+    """Planes that show files of one folder, whose images are loaded; a sequence shows several.
+
+    `options` are those of Blender's image.import_as_mesh_planes. Raises Refusal.
+    """
     with undoing.noting():
-        images = [_load(undoing, path) for path in paths]
         modes = {image: image.alpha_mode for image in images}
+        sizes = {} if options["image_sequence"] else {image: tuple(image.size) for image in images}
         before = _identities("objects")
         files = [{"name": path.name} for path in paths]
         try:
@@ -78,10 +97,10 @@ def import_planes(undoing: Undoing, paths: Sequence[Path], options: Mapping[str,
         except RuntimeError as error:
             raise Refusal(str(error).removeprefix("Error: ").strip()) from error
         for image, mode in modes.items():
-            restore(image, "alpha_mode", mode)  # 4.2 gives all images the same one, which fits PNG alone
+            _restore(image, "alpha_mode", mode)  # 4.2 gives all images the same one, which fits PNG alone
         bpy.context.view_layer.update()
         added = [obj for obj in bpy.data.objects if obj.session_uid not in before]
-        planes = [image_plane.read(obj) for obj in added]
+        planes = [image_plane.read(obj, sizes) for obj in added]
         for image in images:
             if not image.users:  # a later frame of a sequence
                 bpy.data.images.remove(image)
@@ -89,14 +108,14 @@ def import_planes(undoing: Undoing, paths: Sequence[Path], options: Mapping[str,
     return sorted(planes, key=lambda plane: order[reading.path_of(plane.texture.image).name])
 
 
-def restore(image: bpy.types.Image, name: str, value: str) -> None:
+def _restore(image: bpy.types.Image, name: str, value: str) -> None:
     """Give a setting its value back; written, it would load the image again."""
     if getattr(image, name) != value:
         setattr(image, name, value)
 
 
 def _load(undoing: Undoing, path: Path) -> bpy.types.Image:
-    """The image of a file, as it is on the disk now. Raises Refusal."""
+    """The image of a file. Raises Refusal."""
     known = _identities("images")
     try:
         image = bpy.data.images.load(str(path), check_existing=True)

@@ -17,7 +17,7 @@ from ...model.image.filling import Filling
 from ...model.image.placement import Misfit, Placement, placed
 from ...model.image.recutting import Layer, recut
 from ...model.image.silhouette import Overlap, Wish, refilled
-from ...model.plane.frame import Array32, Indices
+from ...model.plane.frame import Array, Array32, Indices
 from ...model.work import Progress
 from ..flatten import uv_maps
 from ..objects import triangulation
@@ -54,6 +54,7 @@ def present(obj: bpy.types.Object, drawing: CutoutObject) -> Present:
 Source = Callable[[Progress], Filling]  # without Blender's data; raises Refusal
 
 THOUSAND = 1000.0  # pixels along the longer side, where there is no image
+ALL = 0.999  # of a rectangle's area
 SAME_PLACE = 0.5  # pixels between two placements of an image that are one
 
 
@@ -112,7 +113,7 @@ def _pixel(obj: bpy.types.Object, now: Present) -> float:
         _, placement = _shown(obj, now, 0)
     except Refusal:
         return float(np.ptp(now.drawing.rest, axis=0).max()) / THOUSAND
-    flat = now.drawing.rest_places(placement.places(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])))
+    flat = now.drawing.rest_places(_pixel_corners(placement))
     return float(np.linalg.norm(flat[1:] - flat[0], axis=1).mean())
 
 
@@ -134,8 +135,23 @@ def _layers(obj: bpy.types.Object, now: Present) -> list[Layer]:
         alone = images.count(node.image) == 1 and _is_alone(obj, node.image)
         to_plane = now.drawing.rest_places
         own = np.array(parts, np.int32)
-        layers.append(Layer(node.image.name, _art(node), placement, to_plane, own, alone))
+        whole = len(parts) == 1 and _is_plane(now, parts[0], placement)
+        layers.append(Layer(node.image.name, _art(node), placement, to_plane, own, whole, alone))
     return layers
+
+
+def _is_plane(now: Present, part: int, placement: Placement) -> bool:
+    """Whether a part is all of the rectangle in which it shows its image."""
+    own = now.rest[now.triangles[now.part_of == part]].astype(np.float64)
+    area = 0.5 * np.linalg.norm(np.cross(own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]), axis=1).sum()
+    corner, right, up = _pixel_corners(placement)
+    window, pixel = placement.window, np.linalg.norm(np.cross(right - corner, up - corner))
+    return bool(area >= ALL * pixel * (window.right - window.left) * (window.top - window.bottom))
+
+
+def _pixel_corners(placement: Placement) -> Array:
+    """Three corners of the image's first pixel in the mesh (3 x 3): lower left, lower right, upper left."""
+    return placement.places(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
 
 
 def _shown(obj: bpy.types.Object, now: Present, part: int) -> tuple[int, Placement]:
@@ -166,7 +182,8 @@ def _texture(obj: bpy.types.Object, slot: int) -> bpy.types.ShaderNodeTexImage:
 def _is_same(one: Placement, other: Placement) -> bool:
     ends = np.array([[0.0, 0.0], [one.size[0], 0.0], [0.0, one.size[1]]])
     gaps = np.linalg.norm(one.places(ends) - other.places(ends), axis=1)
-    return bool(gaps.max() <= SAME_PLACE * one.pixel)
+    corner, *others = _pixel_corners(one)
+    return bool(gaps.max() <= SAME_PLACE * np.linalg.norm(np.array(others) - corner, axis=1).mean())
 
 
 def _is_alone(obj: bpy.types.Object, image: bpy.types.Image) -> bool:

@@ -38,19 +38,6 @@ def test_pixels_lie_where_the_corners_have_them(turn):
     assert placement.mirrored == turn.startswith("mirrored")
 
 
-def test_pixels_and_places_are_inverse_to_each_other():
-    corners, normal = plane()
-    placement = placed(TURNS["turned"], corners, normal, SIZE)
-    pixels = np.random.default_rng(1).uniform(-50, 450, (100, 2))
-    assert placement.pixels(placement.places(pixels)) == pytest.approx(pixels, abs=1e-9)
-    assert placement.uvs(pixels) * SIZE == pytest.approx(pixels)
-
-
-def test_a_pixel_is_as_long_as_the_plane_has_it():
-    corners, normal = plane()
-    assert placed(SQUARE, corners, normal, SIZE).pixel == pytest.approx(0.01)
-
-
 def test_a_plane_may_show_a_part_of_an_image():
     corners, normal = plane(tilt=False)
     placement = placed(SQUARE * [0.25, 0.5] + [0.5, 0.0], corners, normal, SIZE)
