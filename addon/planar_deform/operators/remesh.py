@@ -52,6 +52,8 @@ class PLANAR_OT_remesh(CuttingSettings, LongOperator, bpy.types.Operator):
             raise Refusal(reason)
         if self.reload:
             file_state.reload(obj)
+            if not self.properties.is_property_set("vertices"):
+                self.density, self.vertices = "VERTICES", len(drawing.rest)  # as finely as it was
         now = remesh_source.present(obj, drawing)
         if not chosen and not remesh_source.shows_image(obj):
             self.source = "OUTLINE"

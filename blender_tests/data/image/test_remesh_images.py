@@ -59,7 +59,9 @@ def test_changed_art_is_noticed_and_taken_in_by_one_click(tmp_path):
     repaint(path, art)
     assert file_state.is_changed(obj)
     go_to(1)
-    remesh(obj, source="IMAGE", reload=True, vertices=600)
+    count = len(obj.data.vertices)
+    assert bpy.ops.planar.remesh(reload=True) == {"FINISHED"}
+    assert 0.7 * count < len(obj.data.vertices) < 1.5 * count
     assert not file_state.is_changed(obj)
     assert covered(obj, art.shape)[art].all()
     go_to(1)

@@ -114,7 +114,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         if reason is None and obj.type == "MESH" and file_state.is_changed(obj):
             lines(layout, "The image has been changed on disk", "INFO", context)
             again = layout.operator("planar.remesh", text="Reload and Remesh", icon="FILE_REFRESH")
-            again.reload, again.density, again.vertices = True, "VERTICES", len(obj.data.vertices)
+            again.reload = True
         told = _unheld(obj, seen) if reason is None and seen is not None else None
         if told is not None:
             lines(layout, told, "INFO", context)
