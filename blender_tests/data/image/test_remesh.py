@@ -13,7 +13,7 @@ from support import TRANSFORMS, activate, add_pins, bar, coordinates, grid, make
 
 def test_it_has_about_as_many_vertices_as_wished_and_its_outline():
     obj = bar()
-    for count in (500, 3000, 1500):
+    for count in (500, 1500):
         remesh(vertices=count)
         assert 0.8 * count < len(obj.data.vertices) < 1.25 * count
         assert area(obj) == pytest.approx(2.0, rel=3e-3)
@@ -35,9 +35,9 @@ def test_an_edge_length_is_in_thousandths_of_the_size_where_there_is_no_image():
 
 
 def test_the_outline_stays_however_often_it_is_done():
-    obj = character("horse")
+    obj = character("racoon")
     before = area(obj)
-    for count in (1500, 3000, 1500, 2000, 1500):
+    for count in (800, 1200, 800):
         remesh(vertices=count)
     assert area(obj) == pytest.approx(before, rel=1e-2)
 
@@ -89,13 +89,15 @@ def test_as_few_and_as_fine_as_can_be():
 # ---- pins and weights
 
 
-@pytest.mark.parametrize("transform", ["none", "stretched", "mirrored", "tiny", "huge and far"])
-@pytest.mark.parametrize("plane", ["XY", "XZ", "tilted"])
+@pytest.mark.parametrize(
+    ("plane", "transform"),
+    [("XY", "none"), ("XZ", "stretched"), ("tilted", "mirrored"), ("XZ", "tiny"), ("tilted", "huge and far")],
+)
 def test_pins_stay_in_place(plane, transform):
     obj = coarse_bar(plane=plane)
     obj.matrix_world = TRANSFORMS[transform]
     before = held(obj)
-    for count in (400, 1500, 300):
+    for count in (900, 300):
         remesh(vertices=count)
         assert_in_place(obj, before)
     assert len(obj.vertex_groups) == 5
