@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import imported
 import numpy as np
-from cutouts import active
+from cutouts import active, sheet
 from harness import Window, addon
 from poses import pin_place
 from test_menus import search
@@ -154,6 +154,7 @@ def test_files_are_chosen_in_the_file_browser(window: Window) -> Iterator[None]:
 
 
 def test_many_files_show_how_far_they_are_and_escape_leaves_nothing(window: Window) -> Iterator[None]:
+    mine = sheet("Mine")
     yield from looking(window)
     before = blocks()
     folder, picture = Path(tempfile.mkdtemp()), imported.painted()
@@ -174,6 +175,8 @@ def test_many_files_show_how_far_they_are_and_escape_leaves_nothing(window: Wind
     yield
     assert window.busy == []
     assert blocks() == before
+    assert active() == mine
+    assert list(bpy.context.selected_objects) == [mine]
     assert not window.reports().count("Error"), window.reports()
 
 

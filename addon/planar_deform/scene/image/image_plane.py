@@ -50,7 +50,9 @@ class ImagePlane:
 def refusal(obj: bpy.types.Object) -> str | None:
     """Why an object is no image plane at first sight, and what to do; None where it may be one."""
     if obj.type == "EMPTY" and obj.empty_display_type == "IMAGE":
-        return f"'{obj.name}' is an image empty: convert it first, with Object > Convert > Mesh Plane"
+        return (
+            f"'{obj.name}' is an image empty: convert it first, with Object > Convert > Convert to Mesh Plane"
+        )
     if obj.type != "MESH":
         return f"'{obj.name}' is no mesh: select planes that show an image"
     if obj.library is not None or obj.override_library is not None:
