@@ -15,7 +15,7 @@ from .model.posing import solver_cache, solving
 from .operators import live_targets, stiffness
 from .operators.modal import running
 from .scene import follow
-from .scene.image import preview, reading
+from .scene.image import file_state, preview, reading
 from .scene.lattice import reaching, rig
 from .scene.objects import cutout_object, lattice_edits, triangulation
 from .scene.pins import following
@@ -109,6 +109,7 @@ RESET: tuple[Callable[[], None], ...] = (
     snapshot.forget,
     onion.forget,
     coarseness.forget,
+    file_state.forget,
     stiffness.forget,
     live_targets.forget,
     following.forget,

@@ -13,29 +13,20 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    IntProperty,
     StringProperty,
 )
 
 from ..errors import Refusal
-from ..model.image.cutting import Settings
-from ..scene.image import cutout_mesh, image_plane, preview
+from ..scene.image import cutout_mesh, file_state, image_plane, preview
 from ..scene.image.cutting import Cut, among, cuts
 from ..scene.image.image_plane import ImagePlane
 from ..scene.image.importing import Undoing, import_planes, load
 from ..scene.objects.adding import select_alone
 from ..scene.pins import pin_list
 from ..scene.view.shading import show_textures
+from .cutting_settings import CuttingSettings
 from .modal.long_job import Job, LongOperator
 
-DENSITIES = (
-    ("VERTICES", "Vertices", "About as many vertices as wished; thin parts get shorter edges"),
-    ("EDGE", "Edge Length", "Edges of this length where nothing asks for shorter ones"),
-)
-HOLES = (
-    ("KEEP", "Keep", "Holes of the drawing are holes of the mesh, unless no triangle would fit in"),
-    ("FILL", "Fill", "The mesh covers the holes of the drawing"),
-)
 LAYERS = (
     ("OBJECTS", "Objects", "An object for each file"),
     ("PARTS", "Parts", "One object with a part for each file"),
@@ -67,83 +58,15 @@ SHADERS = (
 )
 
 
-class Cutting(LongOperator):
+class Cutting(CuttingSettings, LongOperator):
     """Makes meshes of images by these settings."""
 
-    density: EnumProperty(name="Density", description="What tells how fine the mesh is", items=DENSITIES)
-    vertices: IntProperty(
-        name="Vertices",
-        description="Wished for each image",
-        default=1500,
-        min=3,
-        max=2_000_000,
-        soft_max=20_000,
-    )
-    edge: FloatProperty(
-        name="Edge Length",
-        description="In pixels of the image",
-        default=20.0,
-        min=0.01,
-        soft_max=200.0,
-        subtype="PIXEL",
-    )
-    finest: FloatProperty(
-        name="Finest",
-        description="How many times shorter than elsewhere edges may be where the drawing is thin",
-        default=6.0,
-        min=1.0,
-        max=100.0,
-        soft_max=12.0,
-    )
-    margin: FloatProperty(
-        name="Margin",
-        description="How far the outline stays away from the drawing, in pixels. 0: a tenth of an edge",
-        default=0.0,
-        min=0.0,
-        soft_max=100.0,
-        subtype="PIXEL",
-    )
-    threshold: FloatProperty(
-        name="Threshold",
-        description="Pixels of a larger alpha belong to the drawing",
-        default=0.05,
-        min=0.0,
-        max=0.99,
-        subtype="FACTOR",
-    )
-    holes: EnumProperty(name="Holes", description="What becomes of holes", items=HOLES)
-    smallest: FloatProperty(
-        name="Smallest Part",
-        description="Parts of a smaller share of the drawing are left out. 0: specks are",
-        default=0.0,
-        min=0.0,
-        max=99.0,
-        soft_max=10.0,
-        precision=3,
-        subtype="PERCENTAGE",
-    )
     separate_islands: BoolProperty(
         name="Separate Islands", description="Make an object of each part of the drawing that hangs together"
     )
 
-    def settings(self) -> Settings:
-        return Settings(
-            vertices=self.vertices,
-            edge=self.edge if self.density == "EDGE" else None,
-            margin=self.margin or None,
-            threshold=self.threshold,
-            holes=self.holes,
-            smallest=self.smallest / 100.0 or None,
-            finest=self.finest,
-        )
-
     def draw_settings(self, column: bpy.types.UILayout, *, islands: bool = True) -> None:
-        column.row().prop(self, "density", expand=True)
-        column.prop(self, "vertices" if self.density == "VERTICES" else "edge")
-        for name in ("finest", "margin", "threshold"):
-            column.prop(self, name)
-        column.row().prop(self, "holes", expand=True)
-        column.prop(self, "smallest")
+        self.draw_cutting(column)
         if islands:
             column.prop(self, "separate_islands")
 
@@ -160,6 +83,8 @@ class Cutting(LongOperator):
         count = sum(len(made.drawing.points) for made in found)
         if join and len(objects) > 1:
             objects = [cutout_mesh.joined(context, objects)]
+        for obj in objects:
+            file_state.remember(obj)
         select_alone(context, objects[0])
         for obj in objects[1:]:
             obj.select_set(True)

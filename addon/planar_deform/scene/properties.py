@@ -389,6 +389,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
     # A lattice as it was last seen, see objects/lattice_edits.py.
     seen_basis: FloatVectorProperty(size=16, options={"HIDDEN"})
     seen_sums: FloatVectorProperty(size=24, options={"HIDDEN"})
+    image_state: StringProperty(options={"HIDDEN"})  # see image/file_state.py
     # What the point cache was baked from, see motion/cache_age.py.
     cache_stamp: StringProperty(options={"HIDDEN"})
 

@@ -26,6 +26,9 @@ class PLANAR_MT_cutout(PlanarMenu, bpy.types.Menu):
         column = self.column
         column.operator("planar.cutout_from_image", icon="IMAGE_DATA")
         column.operator("planar.make_cutout", icon="OUTLINER_OB_IMAGE")
+        column.operator("planar.remesh", icon="MOD_REMESH")
+        again = column.operator("planar.remesh", text="Reload and Remesh", icon="FILE_REFRESH")
+        again.reload = True
 
 
 class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):

@@ -158,9 +158,10 @@ OPERATORS = (
     *("set_rest_to_current", "reset_to_rest", "reset_selected_pins", "mirror_pose", "paste_pose"),
     *("key_pose", "delete_pose", "jump_to_pose", "clear_poses", "update_pose", "duplicate_pose"),
     *("retime_pose", "step_poses", "generate_inbetweens", "remove_inbetweens", "breakdown", "record_pins"),
-    *("edit_sequence", "thin_poses", "transfer_motion", "bake", "refine_mesh"),
+    *("edit_sequence", "thin_poses", "transfer_motion", "bake", "refine_mesh", "remesh"),
     *("fit_lattice", "add_to_lattice", "apply_lattice", "solve_to_targets", "bake_targets"),
     *("flatten", "push_to_uv_map", "refresh_from_surface", "export_pattern"),
+    *("cutout_from_image", "choose_images", "make_cutout"),
 )
 
 

@@ -71,7 +71,10 @@ def _around(positions: Array, triangles: Indices, place: Array) -> Mask:
 
 
 def barycentric(corners: Array, place: Array) -> Array:
-    """Barycentric weights k x 3 of a place (2,) in k x 3 x 2 triangles; -inf where there is no area."""
+    """Barycentric weights k x 3 in k x 3 x 2 triangles of a place (2,), or of one for each (k x 2).
+
+    They are -inf where there is no area.
+    """
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     ab, ac, ap = b - a, c - a, place - a
     area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]

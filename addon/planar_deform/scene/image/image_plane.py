@@ -73,7 +73,7 @@ def read(obj: bpy.types.Object, sizes: Mapping[bpy.types.Image, tuple[int, int]]
     slot, node = _texture(obj)
     size = (sizes or {}).get(node.image) or reading.size_of(node.image)
     mesh = obj.data
-    layer = _uv_map(obj, node)
+    layer = uv_map(obj, node)
     try:
         placement = placed(uv_maps.read(layer), _corners(mesh), _normal(mesh), size)
     except Misfit as misfit:
@@ -87,19 +87,28 @@ def _texture(obj: bpy.types.Object) -> tuple[int, bpy.types.ShaderNodeTexImage]:
     """The slot and the node of the image that is shown: in a material of several, the active node's."""
     slots = sorted(range(len(obj.material_slots)), key=lambda slot: slot != obj.active_material_index)
     for slot in slots:
-        material = obj.material_slots[slot].material
-        tree = None if material is None else material.node_tree
-        if tree is None:
-            continue
-        nodes = [node for node in tree.nodes if node.type == "TEX_IMAGE" and node.image is not None]
-        if nodes:
-            return slot, tree.nodes.active if tree.nodes.active in nodes else nodes[0]
+        node = texture_in(obj, slot)
+        if node is not None:
+            return slot, node
     raise Refusal(
         f"'{obj.name}' shows no image: give its material an Image Texture, or add the image with Add > Image"
     )
 
 
-def _uv_map(obj: bpy.types.Object, node: bpy.types.ShaderNodeTexImage) -> bpy.types.MeshUVLoopLayer:
+def texture_in(obj: bpy.types.Object, slot: int) -> bpy.types.ShaderNodeTexImage | None:
+    """The node of the image that the material in a slot shows; None where it shows none."""
+    material = obj.material_slots[slot].material if slot < len(obj.material_slots) else None
+    tree = None if material is None else material.node_tree
+    if tree is None:
+        return None
+    nodes = [node for node in tree.nodes if node.type == "TEX_IMAGE" and node.image is not None]
+    if not nodes:
+        return None
+    return tree.nodes.active if tree.nodes.active in nodes else nodes[0]
+
+
+def uv_map(obj: bpy.types.Object, node: bpy.types.ShaderNodeTexImage) -> bpy.types.MeshUVLoopLayer:
+    """By which an image lies on a mesh. Raises Refusal where none tells."""
     layers = obj.data.uv_layers
     if not layers:
         raise Refusal(f"'{obj.name}' has no UV map: unwrap it in Edit Mode with U > Reset")

@@ -191,11 +191,10 @@ class CutoutObject(FlatObject):
             self._distortion = native.distortion(self.rest, self.positions, self.faces)
         return self._distortion
 
-    def rest_place(self, place: Array) -> Array:
-        """Where an object-local position (3,) of the rest shape is in `rest` (2,)."""
+    def rest_places(self, places: Array | Array32) -> Array:
+        """Where object-local positions (k x 3) of the rest shape are in `rest` (k x 2)."""
         frame = self._rest.frame.mirrored() if self._turned_over else self._rest.frame
-        flat: Array = frame.flatten(mapped(place[None, :], self._linear))[0]
-        return flat
+        return frame.flatten(mapped(places.astype(np.float64), self._linear))
 
     def rows_held(self, _pinned: bpy.types.Object | None, numbers: Indices) -> Indices:
         """As rows_of(): the vertices that pins hold are the object's own."""

@@ -49,8 +49,7 @@ def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
     """
     count, corners, starts, lying = len(mesh.vertices), corner_vertices(mesh), None, None
     if len(corners) != 3 * len(mesh.polygons):
-        starts, lying = np.empty(len(mesh.polygons), np.int32), rest
-        mesh.polygons.foreach_get("loop_start", starts)
+        starts, lying = _starts(mesh), rest
     kept = _kept.pop(mesh.session_uid, None)
     if (
         kept is None
@@ -59,7 +58,7 @@ def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
         or not _equal(kept.starts, starts)
         or not _equal(kept.rest, lying)
     ):
-        triangles = corners.reshape(-1, 3) if starts is None else _cut(mesh, corners, starts, rest)
+        triangles = corners[corner_triangles(mesh, rest)]
         kept = _Kept(count, corners, starts, lying, _faces(triangles, count))
     _kept[mesh.session_uid] = kept
     if len(_kept) > CAPACITY:
@@ -67,9 +66,22 @@ def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
     return kept.faces
 
 
+def corner_triangles(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
+    """The same triangles in the same order, m x 3, as corners of the mesh's faces."""
+    if len(mesh.loops) == 3 * len(mesh.polygons):
+        return np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
+    return _cut(mesh, _starts(mesh), rest)
+
+
 def forget() -> None:
     """Keep none."""
     _kept.clear()
+
+
+def _starts(mesh: bpy.types.Mesh) -> Indices:
+    starts = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return starts
 
 
 def _equal(one: Indices | Array32 | None, other: Indices | Array32 | None) -> bool:
@@ -85,16 +97,16 @@ def _faces(triangles: Indices, count: int) -> Faces:
     return Faces(vertices, compact, connected_parts(len(vertices), compact))
 
 
-def _cut(mesh: bpy.types.Mesh, corners: Indices, starts: Indices, rest: Array32) -> Indices:
-    """Triangles of faces with these corners, face by face."""
-    sizes = np.diff(starts, append=len(corners))
+def _cut(mesh: bpy.types.Mesh, starts: Indices, rest: Array32) -> Indices:
+    """Triangles of faces that begin at these corners, face by face, as corners."""
+    sizes = np.diff(starts, append=len(mesh.loops))
     if sizes.max() > 4:
         return _cut_ngons(mesh, rest)
     behind = np.cumsum(sizes - 2)
     whole = sizes == 3
     triangles = np.empty((behind[-1], 3), np.int32)
-    triangles[behind[whole] - 1] = corners[starts[whole, None] + np.arange(3)]
-    halves = quads.cut(corners[starts[~whole, None] + np.arange(4)], rest)
+    triangles[behind[whole] - 1] = starts[whole, None] + np.arange(3, dtype=np.int32)
+    halves = quads.cut(starts[~whole, None] + np.arange(4, dtype=np.int32), rest[corner_vertices(mesh)])
     triangles[behind[~whole] - 2], triangles[behind[~whole] - 1] = halves[:, 0], halves[:, 1]
     return triangles
 
@@ -106,7 +118,7 @@ def _cut_ngons(mesh: bpy.types.Mesh, rest: Array32) -> Indices:
         for vertex, place in zip(copy.verts, rest.tolist(), strict=True):
             vertex.co = place
         copy.normal_update()
-        cut = [[corner.vert.index for corner in corners] for corners in copy.calc_loop_triangles()]
+        cut = [[corner.index for corner in corners] for corners in copy.calc_loop_triangles()]
     finally:
         copy.free()
     return np.array(cut, np.int32)

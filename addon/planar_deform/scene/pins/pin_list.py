@@ -210,15 +210,22 @@ def bound_pins(
         model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, weight, pin.angle)
         old = known.get(key)
         holder = Holder(model, drawing.cutout) if old is None else old.holding(model, drawing.cutout)
-        if pin.has_target:
-            reached, target = drawing.from_local(np.array([pin.reached, pin.target], dtype=np.float64))
-            # Both were stored in float32, which far from the origin is coarser than the drawing asks for.
-            rounding = 2.0**-22 * np.linalg.norm(reached)
-            gap = np.linalg.norm(holder.place(drawing.positions) - reached)
-            if gap <= SAME_PLACE * drawing.cutout.diagonal + rounding:
-                holder = holder.holding(replace(model, target=target), drawing.cutout)
+        if is_reached(pin, drawing, holder):
+            target = drawing.from_local(np.array([pin.target], dtype=np.float64))[0]
+            holder = holder.holding(replace(model, target=target), drawing.cutout)
         holders.append(holder)
     return holders
+
+
+def is_reached(pin: bpy.types.PropertyGroup, drawing: Drawing, holder: Holder) -> bool:
+    """Whether a pin, bound by this holder, still is where a posing left it, so that its target counts."""
+    if not pin.has_target:
+        return False
+    reached = drawing.from_local(np.array([pin.reached], dtype=np.float64))[0]
+    # It was stored in float32, which far from the origin is coarser than the drawing asks for.
+    rounding = 2.0**-22 * np.linalg.norm(reached)
+    gap = np.linalg.norm(holder.place(drawing.positions) - reached)
+    return bool(gap <= SAME_PLACE * drawing.cutout.diagonal + rounding)
 
 
 def _held(

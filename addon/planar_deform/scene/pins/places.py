@@ -60,7 +60,7 @@ def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Mem
         inside = (rows >= 0) & (weights > 0.0)
         model = Pin(key, pin.kind, rows[inside], weights[inside])
         kept = places[pin.group]
-        place = drawing.rest_place(np.array(kept.place))
+        place = drawing.rest_places(np.array([kept.place]))[0]
         whole = pin.owns_group and kept.even
         found = rebound(drawing.cutout, model, place, SAME_PLACE, known=drawing.known, whole=whole)
         if found is not None:

@@ -8,6 +8,7 @@ import math
 import bpy
 import numpy as np
 
+from ...scene.image import file_state
 from ...scene.lattice.posed import posing_refusal
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
@@ -110,6 +111,10 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
             )
             layout.operator("planar.refine_mesh", icon="MOD_SUBSURF")
             layout.operator("planar.make_cutout", icon="OUTLINER_OB_IMAGE")
+        if reason is None and obj.type == "MESH" and file_state.is_changed(obj):
+            lines(layout, "The image has been changed on disk", "INFO", context)
+            again = layout.operator("planar.remesh", text="Reload and Remesh", icon="FILE_REFRESH")
+            again.reload = True
         told = _unheld(obj, seen) if reason is None and seen is not None else None
         if told is not None:
             lines(layout, told, "INFO", context)

@@ -43,6 +43,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
             column.prop(settings, "pin_weight")
             column.prop(settings, "coarse_above")
             column.prop(settings, "show_mesh")
+            layout.operator("planar.remesh", icon="MOD_REMESH")
             row = layout.row(align=True)
             row.operator("planar.reset_to_rest")
             row.operator("planar.set_rest_to_current")
