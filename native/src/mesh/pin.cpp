@@ -15,18 +15,25 @@ namespace {
 
 constexpr double same_weights = 1e-9;  // barycentric weights of one and the same point, or none
 
-/// The point of one handle.
-Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
+bool same_point(const Pin& a, const Pin& b) {
+  return a.n_corners == b.n_corners && a.vertex == b.vertex &&
+         std::equal(a.weight.begin(), a.weight.end(), b.weight.begin(),
+                    [](double p, double q) { return std::abs(p - q) <= same_weights; });
+}
+
+}  // namespace
+
+Pin point_of(const Mesh& mesh, const Handles& handles, int row, const char* name) {
   Pin pin{};
   pin.rows = {row};
   std::array<std::pair<int, double>, 3> corner;
   for (int c = 0; c < 3; ++c) {
     const int v = handles.vertices(row, c);
-    require_index("handles", row, "vertex", v, mesh.n_vertices);
+    require_index(name, row, "vertex", v, mesh.n_vertices);
     corner[at(c)] = {v, handles.weights(row, c)};
   }
   if (!(std::abs(handles.weights.row(row).sum() - 1.0) <= same_weights)) {
-    throw std::invalid_argument(row_of("handles", row) + "the weights must sum to 1");
+    throw std::invalid_argument(row_of(name, row) + "the weights must sum to 1");
   }
   std::sort(corner.begin(), corner.end());
   for (const auto& [v, weight] : corner) {
@@ -37,7 +44,7 @@ Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
     }
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
       if (mesh.find_edge(pin.vertex[c], v) < 0) {
-        throw std::invalid_argument(row_of("handles", row) + "its vertices are not those of one triangle");
+        throw std::invalid_argument(row_of(name, row) + "its vertices are not those of one triangle");
       }
     }
     pin.vertex[pin.n_corners] = v;
@@ -46,14 +53,6 @@ Pin point_of(const Mesh& mesh, const Handles& handles, int row) {
   pin.part = mesh.part[at(pin.vertex[0])];
   return pin;
 }
-
-bool same_point(const Pin& a, const Pin& b) {
-  return a.n_corners == b.n_corners && a.vertex == b.vertex &&
-         std::equal(a.weight.begin(), a.weight.end(), b.weight.begin(),
-                    [](double p, double q) { return std::abs(p - q) <= same_weights; });
-}
-
-}  // namespace
 
 std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen::VectorXd& weights,
                            const std::vector<char>& patch) {
