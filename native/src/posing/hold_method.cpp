@@ -220,12 +220,14 @@ void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Po
 
 void HoldMethod::descend_from(const Newton::Budget& budget, Points& x, Report& report) {
   newton_.begin(x);
+  if (!springs_.joints.empty()) start_ = x;
   bool underway = follow_rigidly(budget.limit, x);
   Newton::Budget left = budget;
   do {
     Newton::Budget next = left;
     if (!springs_.joints.empty()) {
-      underway = turn_on_joints(budget.limit, x) || underway;
+      const double room = budget.limit - (x - start_).rowwise().norm().maxCoeff();
+      if (!underway) underway = turn_on_joints(room, x);
       next.steps = std::min(left.steps, steps_between_turns);
     }
     const Newton::Outcome outcome = newton_.descend(next, x);

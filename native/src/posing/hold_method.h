@@ -77,7 +77,7 @@ class HoldMethod final : public PosingMethod {
   HoldSprings springs_;
   Newton newton_;
   Points origin_;  ///< positions at the first call with these handles and joints; or 0×2
-  Points trial_;
+  Points start_, trial_;
   Points ahead_;                 ///< where the next factor is made
   bool unseen_ = false;          ///< x comes from elsewhere: it may be knotted
   bool may_be_tangled_ = false;  ///< as it was turned over in part, and has not been seen to come right since

@@ -167,6 +167,28 @@ TEST(PoserJoints, FollowTheDrawingHoweverItLies) {
   EXPECT_LT(largest_difference(there.settle(), placed(here.settle())), 250.0 * 4e-4);
 }
 
+TEST(PoserJoints, RefineByShortWays) {
+  Chain chain(5, 0.2);
+  for (const int side : {-1, 1}) {  // all but a hinge are stiff, so that the bars bend
+    for (const int i : {1, 2, 3}) {
+      chain.joints.first.push_back(i * chain.n - 2 + side);
+      chain.joints.second.push_back(i * chain.n + 1 + side);
+    }
+  }
+  const std::vector<int> pins{1, 16, 5 * chain.n - 2};
+  Poser poser = chain.poser(pins);
+  Points targets = rows_of(chain.shape.vertices, pins);
+  targets.row(2) << 2.0, 2.5;
+  poser.move(targets);
+  for (int i = 0; i < 300 && !poser.report().converged; ++i) {
+    const Points before = poser.positions();
+    poser.refine();
+    EXPECT_LT(largest_difference(poser.positions(), before), 0.02 * 5.0) << i;  // the diameter is less than 5
+  }
+  EXPECT_TRUE(poser.report().converged);
+  EXPECT_LT(widest_gap(poser.positions(), chain.joints), 1e-3 * 5.0);
+}
+
 TEST(PoserJoints, WhatHangsOnNothingThatIsPinnedStays) {
   const Chain chain(3);
   Poser poser(chain.shape.vertices, chain.shape.triangles);
@@ -214,7 +236,8 @@ TEST(PoserJoints, SettleWhereTheSumOfEnergiesIsLeast) {
   const Shape shape = joined(grid(4), moved(grid(4, 7), 0.8, 0.1));
   const Handles first = inside(shape, {5, 11}), second = inside(shape, {20, 25}, 0.5, 0.2);
   const double weight = 2.0;
-  Poser poser(shape.vertices, shape.triangles);
+  const Eigen::VectorXd stiffness = Eigen::VectorXd::LinSpaced(shape.triangles.rows(), 0.3, 3.0);
+  Poser poser(shape.vertices, shape.triangles, {.stiffness = stiffness});
   poser.set_joints(first, second, Eigen::Vector2d(1.0, weight));
   const Handles pins = at(shape, {0, 3, 31});
   poser.set_handles(pins);
@@ -226,14 +249,16 @@ TEST(PoserJoints, SettleWhereTheSumOfEnergiesIsLeast) {
     double sum = Poser::default_pin_weight * (pins.positions(x) - targets).squaredNorm();
     const Points gap = first.positions(x) - second.positions(x);
     sum += Poser::joint_weight * (gap.row(0).squaredNorm() + weight * gap.row(1).squaredNorm());
-    for (const auto& corner : shape.triangles.rowwise()) {
+    for (Eigen::Index t = 0; t < shape.triangles.rows(); ++t) {
+      const auto corner = shape.triangles.row(t);
       const auto sides = [&](const Points& at) {
         return (Eigen::Matrix2d() << (at.row(corner[1]) - at.row(corner[0])).transpose(),
                 (at.row(corner[2]) - at.row(corner[0])).transpose())
             .finished();
       };
       const Eigen::Matrix2d rest = sides(shape.vertices), jacobian = sides(x) * rest.inverse();
-      sum += 0.5 * std::abs(rest.determinant()) * (jacobian.squaredNorm() + jacobian.inverse().squaredNorm());
+      sum += stiffness[t] * 0.5 * std::abs(rest.determinant()) *
+             (jacobian.squaredNorm() + jacobian.inverse().squaredNorm());
     }
     return sum;
   };
