@@ -35,7 +35,7 @@ import film  # noqa: E402
 import fox  # noqa: E402
 import hood  # noqa: E402
 import lattices  # noqa: E402
-import outlines  # noqa: E402
+import outline_sheet  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
 import puppet  # noqa: E402
@@ -139,7 +139,7 @@ def run(pictures: Path | None) -> None:
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
     if pictures:
         images |= {"contact_sheet": sheet, "film": film_sheet}
-        images["cutouts"] = contact_sheet.sheet("Outlines and meshes", outlines.rows(cutout.DRAWINGS))
+        images["cutouts"] = contact_sheet.sheet("Outlines and meshes", outline_sheet.rows(cutout.DRAWINGS))
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
         images["lattices"] = contact_sheet.sheet("Posed by one lattice each", in_lattices)
         images["flatten"] = contact_sheet.sheet("A surface laid flat, and what it is posed by", [laid_flat])

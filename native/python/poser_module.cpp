@@ -58,6 +58,13 @@ void py_set_handles(const PoserRef& shared, py::handle handles, py::handle weigh
   shared->poser.with([&](Poser& poser) { poser.set_handles(std::move(h), std::move(w), std::move(g)); });
 }
 
+void py_set_joints(const PoserRef& shared, py::handle first, py::handle second, py::handle strength) {
+  const Handles a = to_handles(first, shared->triangles, shared->n_vertices);
+  const Handles b = to_handles(second, shared->triangles, shared->n_vertices);
+  const Eigen::VectorXd s = to_numbers("strength", strength, a.size());
+  shared->poser.with([&](Poser& poser) { poser.set_joints(a, b, s); });
+}
+
 Points py_move(const PoserRef& shared, py::handle targets) {
   const Points u = to_points("targets", targets);
   return shared->poser.with([&u](Poser& poser) { return poser.move(u); });
@@ -143,6 +150,15 @@ Replaces the handles. The shape stays as it is.
 
 handles k (see the module); weights k, positive, multiply pin_weight (None: 1 each); groups k integers: handles of one group
 (a patch) share the weight of one pin (None: each handle is its own group). Raises ValueError.)")
+      .def("set_joints", &py_set_joints, py::arg("first"), py::arg("second"), py::kw_only(),
+           py::arg("strength") = py::none(), R"(set_joints(first, second, *, strength=None)
+
+Replaces the joints of method "hold": pairs of points of different parts that hang together. The shape stays as it is, targets
+are forgotten.
+
+first and second k handles each (see the module); strength k, positive, multiply the weight of a joint (None: 1 each). Parts that
+hang on one with handles come along; how hinges turn that nothing else decides is as if all moved as one. Raises ValueError and
+SolveError; the joints are then those before the call.)")
       .def("move", &py_move, py::arg("targets"), R"(move(targets)
 
 A bounded number of steps towards targets, k x 2, from the present shape; for each event of a drag. Returns the new positions,

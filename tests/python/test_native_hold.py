@@ -323,3 +323,24 @@ def test_a_failed_solve_leaves_the_poser_as_it_was(method, size):
             continue
         np.testing.assert_array_equal(poser.positions, before)
         assert repr(poser.report) == report
+
+
+def test_joints_take_layers_along():
+    rest, triangles = reference.bar()
+    count = len(rest)
+    end, start = int(np.argmax(rest[:, 0])), int(np.argmin(rest[:, 0]))
+    both = np.concatenate([rest, rest + rest[end] - rest[start]])
+    poser = planar_native.Poser(both, np.concatenate([triangles, triangles + count]))
+    poser.set_handles([0, 8])
+    moved = rest[[0, 8]] + np.array([0.0, 1.0])
+    assert np.array_equal(settled(poser, moved)[count:], both[count:])
+    poser.reset()
+    inside = (np.array([3, 40]), np.full((2, 3), 1 / 3))
+    poser.set_joints([end], [count + start], strength=[2.0])
+    np.testing.assert_allclose(settled(poser, moved), both + np.array([0.0, 1.0]), rtol=0, atol=1e-6)
+    with pytest.raises(ValueError, match="second, row 0: on the same part"):
+        poser.set_joints(inside, inside)
+    with pytest.raises(ValueError, match="strength: shape"):
+        poser.set_joints([end], [count + start], strength=[1.0, 1.0])
+    with pytest.raises(ValueError, match="only method hold"):
+        planar_native.Poser(rest, triangles, method="arap").set_joints([0], [1])

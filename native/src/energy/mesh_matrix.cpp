@@ -19,7 +19,8 @@ std::vector<int> slots_of(const Mesh& mesh, const std::vector<int>& kept) {
 
 }  // namespace
 
-SparsityPattern vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
+SparsityPattern vertex_graph(const Mesh& mesh, const std::vector<int>& kept,
+                             const std::vector<std::array<int, 2>>& links) {
   const std::vector<int> slot = slots_of(mesh, kept);
   std::vector<std::array<int, 2>> edges;
   const auto couple = [&](int a, int b) {
@@ -27,11 +28,14 @@ SparsityPattern vertex_graph(const Mesh& mesh, const std::vector<int>& kept) {
   };
   for (const auto& edge : mesh.edges) couple(edge[0], edge[1]);
   for (const auto& brace : mesh.braces) couple(brace[1], brace[2]);
+  for (const auto& link : links) couple(link[0], link[1]);
   return graph_pattern(static_cast<int>(kept.size()), edges);
 }
 
-MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept) : slot_(slots_of(mesh, kept)) {
-  const SparsityPattern graph = vertex_graph(mesh, kept);
+MeshMatrix::MeshMatrix(const Mesh& mesh, const std::vector<int>& kept,
+                       const std::vector<std::array<int, 2>>& links)
+    : slot_(slots_of(mesh, kept)) {
+  const SparsityPattern graph = vertex_graph(mesh, kept, links);
   matrix_ = doubled_pattern(graph);
   for (const int v : kept) kept_part_.push_back(mesh.part[at(v)]);
   matrix_.value.assign(matrix_.row.size() + spare_room, 0.0);

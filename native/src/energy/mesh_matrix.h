@@ -10,8 +10,9 @@
 namespace planar {
 
 /// The graph over `kept` vertices (numbered by their index in it, their slot) that a MeshMatrix has blocks
-/// on: the mesh's edges and the missing sides of its braces.
-SparsityPattern vertex_graph(const Mesh& mesh, const std::vector<int>& kept);
+/// on: the mesh's edges, the missing sides of its braces, and `links` beside them, pairs of vertices.
+SparsityPattern vertex_graph(const Mesh& mesh, const std::vector<int>& kept,
+                             const std::vector<std::array<int, 2>>& links = {});
 
 /// A symmetric matrix of 2×2 blocks over some vertices of a mesh, to be assembled triangle by triangle; the
 /// others count as fixed. Vertex kept[i] has unknowns 2i (x) and 2i+1 (y). The places of a triangle's blocks
@@ -30,7 +31,8 @@ class MeshMatrix {
     int part;
   };
 
-  MeshMatrix(const Mesh& mesh, const std::vector<int>& kept);
+  MeshMatrix(const Mesh& mesh, const std::vector<int>& kept,
+             const std::vector<std::array<int, 2>>& links = {});
 
   const std::vector<Element>& elements() const { return elements_; }
   double* values() { return matrix_.value.data(); }
@@ -40,7 +42,8 @@ class MeshMatrix {
   /// \pre they are zero
   void set_unit_rows(const std::vector<char>& active);
 
-  /// Adds value·I to the block of vertices a and b, which must be kept and share a triangle.
+  /// Adds value·I to the block of vertices a and b, which must be kept and share a triangle or a
+  /// link.
   void add(int a, int b, double value);
 
   /// Adds a symmetric block to that of vertex v, which must be kept, with itself.

@@ -114,6 +114,10 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
     };
     if (step.collapse < blocked && factors < budget.factors) use_killing();
     search(room, x, step);
+    if (step.t == 0.0 && step.length < budget.tolerance) {  // what it gains is below rounding
+      outcome.converged = true;
+      return outcome;
+    }
     if (step.t == 0.0 && system_.metric() != Metric::killing && factors < budget.factors) {
       use_killing();
       search(room, x, step);

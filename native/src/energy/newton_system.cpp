@@ -16,14 +16,16 @@ constexpr double most_regularization = 1.0;
 constexpr int most_conjugate = 5;
 constexpr double accuracy = 0.1;  // of what is left of the gradient, in the metric; 0.03 hardly saves a step
 
-std::vector<int> numbered(const Mesh& mesh, SparseSolver& solver) {
+std::vector<int> numbered(const Mesh& mesh, SparseSolver& solver,
+                          const std::vector<std::array<int, 2>>& links = {}) {
   std::vector<int> used;
   for (int v = 0; v < mesh.n_vertices; ++v) {
     if (mesh.part[at(v)] >= 0) used.push_back(v);
   }
   std::vector<int> result;
   result.reserve(used.size());
-  for (const int k : solver.fill_reducing_order(vertex_graph(mesh, used))) result.push_back(used[at(k)]);
+  for (const int k : solver.fill_reducing_order(vertex_graph(mesh, used, links)))
+    result.push_back(used[at(k)]);
   return result;
 }
 
@@ -38,6 +40,15 @@ NewtonSystem::NewtonSystem(const Mesh& mesh, const Springs& springs, const Eigen
       active_(at(mesh_.n_parts), 1),
       turn_(at(mesh_.n_parts), 1.0) {
   solver_->analyze(matrix_.matrix());
+}
+
+void NewtonSystem::link(const std::vector<std::array<int, 2>>& pairs) {
+  std::unique_ptr<SparseSolver> solver = SparseSolver::create(default_backend());
+  KillingMatrix matrix(mesh_, numbered(mesh_, *solver, pairs), pairs);
+  solver->analyze(matrix.matrix());
+  forget();
+  solver_ = std::move(solver);
+  matrix_ = std::move(matrix);
 }
 
 void NewtonSystem::set_active(std::vector<char> active) noexcept {

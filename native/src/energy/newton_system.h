@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <complex>
 #include <memory>
 #include <vector>
@@ -36,7 +37,13 @@ class NewtonSystem {
   /// \param stiffness m factors, or empty
   NewtonSystem(const Mesh& mesh, const Springs& springs, const Eigen::VectorXd& stiffness);
 
+  /// From now on the springs couple these pairs of vertices, too, which costs a new analysis. The factor is
+  /// lost, and elements of the matrix change.
+  /// \throw SolveError no memory
+  void link(const std::vector<std::array<int, 2>>& pairs);
+
   const Mesh& mesh() const { return mesh_; }
+  const Eigen::VectorXd& stiffness() const { return stiffness_; }
   const Springs& springs() const { return springs_; }
   const MeshMatrix& matrix() const { return matrix_; }
 

@@ -15,19 +15,26 @@ namespace {
 
 constexpr double same_weights = 1e-9;  // barycentric weights of one and the same point, or none
 
+bool same_point(const Pin& a, const Pin& b) {
+  return a.n_corners == b.n_corners && a.vertex == b.vertex &&
+         std::equal(a.weight.begin(), a.weight.end(), b.weight.begin(),
+                    [](double p, double q) { return std::abs(p - q) <= same_weights; });
+}
+
 }  // namespace
 
-Pin point_of(const Handles& handles, int row, int n_vertices, const std::function<bool(int, int)>& joined) {
+Pin point_of(const Handles& handles, int row, int n_vertices, const std::function<bool(int, int)>& joined,
+             const char* name) {
   Pin pin{};
   pin.rows = {row};
   std::array<std::pair<int, double>, 3> corner;
   for (int c = 0; c < 3; ++c) {
     const int v = handles.vertices(row, c);
-    require_index("handles", row, "vertex", v, n_vertices);
+    require_index(name, row, "vertex", v, n_vertices);
     corner[at(c)] = {v, handles.weights(row, c)};
   }
   if (!(std::abs(handles.weights.row(row).sum() - 1.0) <= same_weights)) {
-    throw std::invalid_argument(row_of("handles", row) + "the weights must sum to 1");
+    throw std::invalid_argument(row_of(name, row) + "the weights must sum to 1");
   }
   std::sort(corner.begin(), corner.end());
   for (const auto& [v, weight] : corner) {
@@ -38,7 +45,7 @@ Pin point_of(const Handles& handles, int row, int n_vertices, const std::functio
     }
     for (std::size_t c = 0; c < pin.n_corners; ++c) {
       if (!joined(pin.vertex[c], v)) {
-        throw std::invalid_argument(row_of("handles", row) + "its vertices are not those of one triangle");
+        throw std::invalid_argument(row_of(name, row) + "its vertices are not those of one triangle");
       }
     }
     pin.vertex[pin.n_corners] = v;
@@ -47,15 +54,10 @@ Pin point_of(const Handles& handles, int row, int n_vertices, const std::functio
   return pin;
 }
 
-namespace {
-
-bool same_point(const Pin& a, const Pin& b) {
-  return a.n_corners == b.n_corners && a.vertex == b.vertex &&
-         std::equal(a.weight.begin(), a.weight.end(), b.weight.begin(),
-                    [](double p, double q) { return std::abs(p - q) <= same_weights; });
+Pin point_of(const Mesh& mesh, const Handles& handles, int row, const char* name) {
+  return point_of(
+      handles, row, mesh.n_vertices, [&mesh](int a, int b) { return mesh.find_edge(a, b) >= 0; }, name);
 }
-
-}  // namespace
 
 std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen::VectorXd& weights,
                            const std::vector<char>& patch) {
@@ -63,8 +65,7 @@ std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen
   std::vector<Pin> points;
   points.reserve(at(handles.size()));
   for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
-    points.push_back(
-        point_of(handles, row, mesh.n_vertices, [&mesh](int a, int b) { return mesh.find_edge(a, b) >= 0; }));
+    points.push_back(point_of(mesh, handles, row));
     points.back().part = mesh.part[at(points.back().vertex[0])];
     points.back().strength = weights[row];
     points.back().patch = !patch.empty() && patch[at(row)];

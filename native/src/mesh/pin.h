@@ -26,12 +26,17 @@ struct Pin {
   Eigen::RowVector2d force;     ///< with which it pulls in the solution of [AKVF 7]
 };
 
-/// The point of one handle: vertices, weights and row.
+/// The point of one handle: vertices, weights and row, of no strength.
 ///
 /// \param joined whether two vertices share a triangle
+/// \param name of the argument, for errors
 ///
 /// \throw std::invalid_argument it is not inside a triangle, edge or vertex of the mesh
-Pin point_of(const Handles& handles, int row, int n_vertices, const std::function<bool(int, int)>& joined);
+Pin point_of(const Handles& handles, int row, int n_vertices, const std::function<bool(int, int)>& joined,
+             const char* name = "handles");
+
+/// The same in a mesh.
+Pin point_of(const Mesh& mesh, const Handles& handles, int row, const char* name = "handles");
 
 /// One pin for each point that has handles, the strongest of them giving its strength. Pins on isolated
 /// vertices, which no field moves, are left out.

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "cage/cage.h"
@@ -33,6 +34,9 @@ class CageMethod final : public PosingMethod {
              const Orientation& orientation, const Eigen::VectorXd& stiffness, double kept, Make make);
 
   void set_handles(const HandleSet& handles) override;
+  void set_joints(const JointSet& /*joints*/) override {
+    throw std::invalid_argument("joints: a mesh that is solved through a cage has none; take no cage");
+  }
   void move(const Points& targets, Points& x, Report& report) override;
   void refine(const Points& targets, Points& x, Report& report) override;
   void settle(const Points& targets, Points& x, Report& report) override;

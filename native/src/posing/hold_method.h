@@ -4,11 +4,13 @@
 #include <functional>
 #include <vector>
 
+#include "energy/hinged_fit.h"
 #include "energy/newton.h"
 #include "energy/rigid_fit.h"
 #include "mesh/mesh.h"
 #include "mesh/pin.h"
 #include "parallel/worker.h"
+#include "posing/hold_springs.h"
 #include "posing/posing_method.h"
 
 namespace planar {
@@ -27,13 +29,7 @@ class HoldMethod final : public PosingMethod {
   /// \param size of the shape: lengths are small or large beside it
   HoldMethod(Mesh mesh, const RestOf& rest_of, const Orientation& orientation, double size);
 
-  /// Holds a vertex on the line normal · x = offset.
-  struct LineSpring {
-    int vertex;
-    Eigen::RowVector2d normal;  ///< of length 1
-    double offset;
-    double strength;  ///< μ
-  };
+  using LineSpring = HoldSprings::LineSpring;
   /// Beside the handles; to be called after set_handles(), which removes them.
   void set_lines(std::vector<LineSpring> lines);
 
@@ -46,27 +42,29 @@ class HoldMethod final : public PosingMethod {
                      Report& report);
 
   void set_handles(const HandleSet& handles) override;
+  /// \pre made with a rest shape
+  void set_joints(const JointSet& joints) override;
   void move(const Points& targets, Points& x, Report& report) override;
   void refine(const Points& targets, Points& x, Report& report) override;
   void settle(const Points& targets, Points& x, Report& report) override;
   void reset() noexcept override;
 
  private:
-  /// Pins with their targets in Pin::position, and lines.
-  struct PinSprings final : Springs {
-    double value(const Points& x, Points* gradient) const override;
-    void add_hessian(MeshMatrix& matrix, double scale) const override;
-    std::vector<Pin> pins;
-    std::vector<LineSpring> lines;
-  };
+  using Joint = HoldSprings::Joint;
 
   Newton::Budget two_steps(double limit) const;
   void descend(const Points& targets, const Newton::Budget& budget, Points& x, Report& report);
   void descend_from(const Newton::Budget& budget, Points& x, Report& report);
   bool follow_rigidly(double limit, Points& x);
+  bool turn_on_joints(double limit, Points& x);
+  bool move_rigidly(const std::vector<RigidMotion>& motions, const std::vector<char>& moves, double limit,
+                    Points& x);
+  void turn_factor(const std::vector<RigidMotion>& motions, const std::vector<char>& moves, double share);
   std::vector<char> knotted(const Points& x) const;
   std::vector<char> tangled(const Points& x) const;
   std::vector<PointPair> ways_from(const Points& x) const;
+  void set_active();
+  void set_reference(const Points& x);
   bool begin_from_rest(const std::vector<char>& parts, Points& x);
 
   Mesh mesh_;
@@ -74,9 +72,12 @@ class HoldMethod final : public PosingMethod {
   Points rest_;                       ///< n×2, or 0×2 where triangles do not fit together
   Eigen::VectorXi windings_at_rest_;  ///< n
   bool free_ = false;                 ///< parts without handles relax
-  PinSprings springs_;
+  std::vector<Joint> joints_;
+  std::vector<int> group_;  ///< of each part: those that joints connect are one
+  HoldSprings springs_;
   Newton newton_;
-  Points trial_;
+  Points origin_;  ///< positions at the first call with these handles and joints; or 0×2
+  Points start_, trial_;
   Points ahead_;                 ///< where the next factor is made
   bool unseen_ = false;          ///< x comes from elsewhere: it may be knotted
   bool may_be_tangled_ = false;  ///< as it was turned over in part, and has not been seen to come right since

@@ -150,6 +150,18 @@ void Poser::set_handles(Handles handles, Eigen::VectorXd weights, Eigen::VectorX
   state_->targets.reset();
 }
 
+void Poser::set_joints(const Handles& first, const Handles& second, const Eigen::VectorXd& strength) {
+  require_rows("second", second.size(), first.size(), "point of first");
+  JointSet set{first, second, Eigen::VectorXd::Constant(first.size(), joint_weight)};
+  if (strength.size() != 0) {
+    require_rows("strength", strength.size(), first.size(), "joint");
+    require_positive("strength", strength);
+    set.strength.array() *= strength.array();
+  }
+  state_->method->set_joints(set);
+  state_->targets.reset();
+}
+
 const Points& Poser::move(const Points& targets) {
   require_rows("targets", targets.rows(), state_->handles.size(), "handle");
   require_finite("targets", targets);

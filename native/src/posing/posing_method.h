@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <stdexcept>
 #include <vector>
 
 #include "planar/handle.h"
@@ -19,6 +20,12 @@ struct HandleSet {
   std::vector<std::vector<int>> patches;  ///< the rows of each pin with several handles
 };
 
+/// Pairs of points of different parts that hang together.
+struct JointSet {
+  Handles first, second;     ///< k each
+  Eigen::VectorXd strength;  ///< k
+};
+
 /// What a Poser asks of a method. Targets are checked. The methods start from positions x and write the new
 /// ones there; they fill in iterations, substeps and converged of a new report. When one throws, the Poser
 /// drops x and the report; the object itself may have lost what only saves time.
@@ -31,6 +38,10 @@ class PosingMethod {
 
   /// Replaces the handles, or throws and keeps those of before.
   virtual void set_handles(const HandleSet& handles) = 0;
+  /// Replaces the joints, or throws and keeps those of before. Handles stay.
+  virtual void set_joints(const JointSet& /*joints*/) {
+    throw std::invalid_argument("joints: only method hold has them");
+  }
   virtual void move(const Points& targets, Points& x, Report& report) = 0;
   virtual void refine(const Points& targets, Points& x, Report& report) = 0;
   virtual void settle(const Points& targets, Points& x, Report& report) = 0;

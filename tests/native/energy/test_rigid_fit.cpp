@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include "energy/hinged_fit.h"
 #include "energy/rigid_fit.h"
 #include "support.h"
 
@@ -114,6 +115,37 @@ TEST(RigidFit, NearPointsDetermineATurn) {
     const RigidMotion motion = fitted(from, rigid_motion(from, angle, 0.5, 0.1));
     EXPECT_NEAR(motion.angle, angle, 1e-8) << seed;
   }
+}
+
+/// The same motion of a part that returns nowhere in particular, by Newton steps.
+TEST(HingedFit, OfOnePartIsTheRigidFit) {
+  const Points from = random_points(6, 1), to = rigid_motion(random_points(6, 2), 0.3, 1.0, 2.0);
+  const RigidMotion wanted = fitted(from, to);
+  std::vector<Tie> ties;
+  for (const PointPair& pair : pairs_of(from, to)) ties.push_back({0, -1, pair.weight, pair.from, pair.to});
+  const Return part{1e-12, 1.0, 0.0, 0.0, 1.0, 1.0};
+  const RigidMotion found = fit_hinged_motions({part}, ties, 1.0).front();
+  EXPECT_LT(std::abs(found.turn - wanted.turn), 1e-5);
+  for (const Complex p : {Complex(0.0), Complex(0.7, -0.2)}) {
+    EXPECT_LT(std::abs(found.at(p) - wanted.at(p)), 1e-5);
+  }
+}
+
+/// Two rods from 0 to 1 and from 1 to 2. The end of the second goes to where both have to bend, or the start
+/// of the first stays and nothing else is asked: then the second returns to where it is.
+TEST(HingedFit, TurnsRodsOnTheirHinge) {
+  const auto rod = [](double middle) { return Return{1e-9, 10.0, middle, middle, 1.0, 1.0}; };
+  const std::vector<Return> parts{rod(0.5), rod(1.5)};
+  std::vector<Tie> ties{{0, -1, 1e3, 0.0, 0.0}, {0, 1, 1e4, 1.0, 1.0}};
+  for (const RigidMotion& motion : fit_hinged_motions(parts, ties, 2.0)) {
+    EXPECT_LT(std::abs(motion.at(0.4) - 0.4), 1e-12);
+  }
+  ties.push_back({1, -1, 1e3, 2.0, Complex(1.0, 1.0)});
+  const std::vector<RigidMotion> motions = fit_hinged_motions(parts, ties, 2.0);
+  EXPECT_LT(std::abs(motions[0].at(0.0)), 1e-6);
+  EXPECT_LT(std::abs(motions[0].at(1.0) - motions[1].at(1.0)), 1e-6);
+  EXPECT_LT(std::abs(motions[1].at(2.0) - Complex(1.0, 1.0)), 1e-6);
+  EXPECT_NEAR(std::abs(motions[0].at(1.0)), 1.0, 1e-6);
 }
 
 }  // namespace
