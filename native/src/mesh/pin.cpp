@@ -55,8 +55,10 @@ Pin point_of(const Handles& handles, int row, int n_vertices, const std::functio
 }
 
 Pin point_of(const Mesh& mesh, const Handles& handles, int row, const char* name) {
-  return point_of(
-      handles, row, mesh.n_vertices, [&mesh](int a, int b) { return mesh.find_edge(a, b) >= 0; }, name);
+  const auto joined = [&mesh](int a, int b) { return mesh.find_edge(a, b) >= 0; };
+  Pin pin = point_of(handles, row, mesh.n_vertices, joined, name);
+  pin.part = mesh.part[at(pin.vertex[0])];
+  return pin;
 }
 
 std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen::VectorXd& weights,
@@ -66,7 +68,6 @@ std::vector<Pin> make_pins(const Mesh& mesh, const Handles& handles, const Eigen
   points.reserve(at(handles.size()));
   for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
     points.push_back(point_of(mesh, handles, row));
-    points.back().part = mesh.part[at(points.back().vertex[0])];
     points.back().strength = weights[row];
     points.back().patch = !patch.empty() && patch[at(row)];
   }

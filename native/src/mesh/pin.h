@@ -26,7 +26,7 @@ struct Pin {
   Eigen::RowVector2d force;     ///< with which it pulls in the solution of [AKVF 7]
 };
 
-/// The point of one handle: vertices, weights and row, of no strength.
+/// The point of one handle: vertices, weights and row, of no strength or part.
 ///
 /// \param joined whether two vertices share a triangle
 /// \param name of the argument, for errors
@@ -35,7 +35,7 @@ struct Pin {
 Pin point_of(const Handles& handles, int row, int n_vertices, const std::function<bool(int, int)>& joined,
              const char* name = "handles");
 
-/// The same in a mesh.
+/// The same in a mesh, with its part.
 Pin point_of(const Mesh& mesh, const Handles& handles, int row, const char* name = "handles");
 
 /// One pin for each point that has handles, the strongest of them giving its strength. Pins on isolated
