@@ -262,6 +262,10 @@ def test_index_out_of_range_names_the_row(call, name, bad):
         assert "row 2" in refused(call, name, wrong)
 
 
+@pytest.mark.skipif(
+    np.finfo("g").max == np.finfo(float).max,
+    reason="no float here is wider than double (Windows, Apple's arm64)",
+)
 def test_float32_overflow_of_wider_floats_is_not_finite():
     wrong = VERTICES.astype("g")
     wrong[1] = np.finfo("g").max

@@ -55,8 +55,7 @@ std::vector<std::size_t> by_place(const std::vector<int>& points, const PointMat
 
 HeldSystem::HeldSystem(const LatticeWeights& weights, const HeldShape& shape, SubCells cells,
                        std::vector<Difference> differences, double smooth)
-    : weights_(weights),
-      shape_(shape),
+    : shape_(shape),
       cells_(std::move(cells)),
       differences_(std::move(differences)),
       smooth_(smooth),

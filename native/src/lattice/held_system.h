@@ -50,7 +50,6 @@ class HeldSystem {
   void add(int triangle, const Jacobian& j, double weight);
   void finish();
 
-  const LatticeWeights& weights_;
   const HeldShape& shape_;
   SubCells cells_;
   std::vector<Difference> differences_;

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(__x86_64__) && defined(__GNUC__)
 #define PLANAR_AVX2
 #endif
 
@@ -23,7 +23,7 @@ void solve_forward_avx2(const FactorBlock& block, double* x, int columns);
 void solve_backward_avx2(const FactorBlock& block, double* x, int columns);
 
 /// Of the processor that runs this.
-inline bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+bool has_avx2();
 #endif
 
 }  // namespace planar

@@ -6,7 +6,11 @@
 
 #ifdef PLANAR_AVX2
 // From here on, after everything that other sources compile as well.
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2,fma"))), apply_to = function)
+#else
 #pragma GCC target("avx2,fma")
+#endif
 #include "linear/block_product_tiles.h"
 
 namespace planar {
@@ -17,4 +21,8 @@ void lower_product_avx2(const double* a, int m, int n, int k, std::ptrdiff_t str
 }
 
 }  // namespace planar
+
+#ifdef __clang__
+#pragma clang attribute pop
+#endif
 #endif

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <immintrin.h>
-
 #include <cstring>
 
 #include "linear/block_kinds.h"
 #include "linear/block_solve.h"
 
 #ifdef PLANAR_AVX2
+#include <immintrin.h>
+
+#define PLANAR_FMA
 // From here on, after everything that other sources compile as well.
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2,fma"))), apply_to = function)
+#else
 #pragma GCC target("avx2,fma")
+#endif
 #include "linear/block_solve_tiles.h"
 
 namespace planar {
@@ -32,4 +37,8 @@ void solve_backward_avx2(const FactorBlock& block, double* x, int columns) {
 }
 
 }  // namespace planar
+
+#ifdef __clang__
+#pragma clang attribute pop
+#endif
 #endif

@@ -12,10 +12,11 @@ namespace planar {
 namespace {
 
 /// a - x factor, rounded once where the processor can, whatever the compiler would contract by itself: a
-/// right side's solution must not depend on the ones beside it, which say how wide a vector it is in.
+/// right side's solution must not depend on the ones beside it, which say how wide a vector it is in. The
+/// source that includes this tells by PLANAR_FMA: Clang's __FMA__ is that of the whole source.
 template <class Vector>
 Vector minus_product(const Vector& a, const Vector& x, double factor) {
-#ifdef __FMA__
+#ifdef PLANAR_FMA
   if constexpr (sizeof(Vector) == 32) {
     return _mm256_fnmadd_pd(x, _mm256_set1_pd(factor), a);
   } else if constexpr (sizeof(Vector) == 16) {

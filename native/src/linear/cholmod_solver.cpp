@@ -95,6 +95,7 @@ class CholmodSolver : public Solver {
     if (!factor_->factorize(matrix)) throw SolveError("the system is not positive definite");
   }
 
+  using Solver::solve;
   void solve(const typename Solver::Vector& b, typename Solver::Vector& x) override {
     if (&x != &b) x = b;
     factor_->solve(x);

@@ -56,6 +56,7 @@ class EigenSolver : public Solver {
     }
   }
 
+  using Solver::solve;
   void solve(const Vector& b, Vector& x) override { x = factor_.solve(b); }
 
  protected:

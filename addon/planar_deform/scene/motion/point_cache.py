@@ -150,10 +150,10 @@ def _file_of(modifier: bpy.types.Modifier) -> Path | None:
 
 
 def _stored(path: Path) -> str:
-    """The path as the .blend keeps it: relative to itself where there is a way from it."""
+    """The path as the .blend keeps it on every system: relative to itself where there is a way from it."""
     if bpy.data.filepath:
         with contextlib.suppress(ValueError):  # another drive
-            return str(bpy.path.relpath(str(path)))
+            return str(bpy.path.relpath(str(path))).replace(os.sep, "/")
     return str(path)
 
 
