@@ -291,8 +291,8 @@ void CageMethod::act(Action action, int rounds, double kept, const Points& targe
   const std::vector<int> suspects = on_->suspects.at(on_->cage, x_, !beside_.is_empty());
   repaired_ = turn_upright(rest_, orientation_, centre_, stiffness_, pinned_, suspects, x);
   repaired_places_ = x(repaired_, Eigen::all);
-  report.flipped = static_cast<int>(
-      std::count_if(suspects.begin(), suspects.end(), [&](int t) { return orientation_.is_flipped(x, t); }));
+  report.flipped = repaired_.empty() ? static_cast<int>(orientation_.flipped_of(suspects, x).size())
+                                     : orientation_.count_flipped(x);
 }
 
 /// Takes the vertices of these parts of the mesh to where the cage has them.

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
+#include <numeric>
 
 #include "base/disjoint_sets.h"
 #include "base/index.h"
@@ -17,7 +17,7 @@ struct Attempt {
   int rings;  ///< round the triangles
   int steps;  ///< of Newton; most patches need 10 to 40 to come right
 };
-constexpr std::array<Attempt, 3> attempts{{{3, 20}, {8, 40}, {4, 80}}};
+constexpr std::array<Attempt, 3> attempts{{{3, 20}, {8, 40}, {16, 100}}};
 constexpr int most_free = 4000;  // vertices: beyond, a move would be felt to stop
 /// Of the vertices round a patch, beside energies of area: it moves them by 1e-5 of an edge.
 constexpr double held = 1e6;
@@ -112,11 +112,9 @@ std::vector<int> turn_upright(const Points& rest, const Orientation& orientation
                               const Eigen::RowVector2d& centre, const Eigen::VectorXd& stiffness,
                               const std::vector<char>& fixed, const std::vector<int>& suspects, Points& x) {
   const Triangles& triangles = orientation.triangles();
-  std::vector<int> moved;
+  std::vector<int> moved, rows = suspects;
   for (const Attempt& attempt : attempts) {
-    std::vector<int> flipped;
-    std::copy_if(suspects.begin(), suspects.end(), std::back_inserter(flipped),
-                 [&](int t) { return orientation.is_flipped(x, t); });
+    const std::vector<int> flipped = orientation.flipped_of(rows, x);
     if (flipped.empty()) break;
     const std::vector<char> free = vertices_near(triangles, flipped, attempt.rings, fixed);
     if (std::count(free.begin(), free.end(), char{1}) > most_free) break;
@@ -124,6 +122,9 @@ std::vector<int> turn_upright(const Points& rest, const Orientation& orientation
       settle_patches(Patch(triangles, free), rest, orientation, centre, stiffness, attempt.steps, x, moved);
     } catch (const SolveError&) {  // what is turned over stays
     }
+    // Those of patches may be any.
+    rows.resize(at(triangles.rows()));
+    std::iota(rows.begin(), rows.end(), 0);
   }
   std::sort(moved.begin(), moved.end());
   moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
