@@ -22,11 +22,10 @@ DENSE = 100_000  # vertices, about
 FURTHEST = 0.005  # of the diagonal
 
 DIFFERENCE = f"""\
-Cage of {CAGE} vertices, characters refined until they have {DENSE // 2} vertices at least, {MOVES} moves
-and a settle. worst, mean: from the dense solution, in % of the diagonal. from here: from the minimum that
-the dense solver finds when it starts where the cage ends: poses have several minima beside each other (at a
-pin a fold falls this way or that), and each way may end in another. Distortion: area / angle; flips as
-float32."""
+Cage of {CAGE} vertices, characters refined to {DENSE // 2} vertices at least, {MOVES} moves and a settle.
+worst, mean: from the dense solution, in % of the diagonal. from here: from the minimum that the dense solver
+finds when it starts where the cage ends: poses have several minima beside each other (at a pin a fold falls
+this way or that), and each way may end in another. Distortion: area / angle; flips as float32."""
 TIMES = f"""\
 ms, medians of {ROUNDS}: a square with three pins. build: the Poser; press: set_handles, reset to a stored
 pose and the first move; move: of a drag, in Python, result and all. dense: the same without a cage."""

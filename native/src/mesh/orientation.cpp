@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/orientation.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "mesh/triangle_shape.h"
@@ -58,6 +60,13 @@ Flags Orientation::flipped(const Points& x) const {
   Flags result(triangles_.rows());
   for (std::size_t t = 0; t < sign_.size(); ++t)
     result[static_cast<Eigen::Index>(t)] = area_as_at_rest(x, t) < 0.0;
+  return result;
+}
+
+std::vector<int> Orientation::flipped_of(const std::vector<int>& rows, const Points& x) const {
+  std::vector<int> result;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(result),
+               [&](int t) { return area_as_at_rest(x, static_cast<std::size_t>(t)) < 0.0; });
   return result;
 }
 

@@ -34,6 +34,9 @@ class Orientation {
   /// Whether each triangle lies the other way round at x.
   Flags flipped(const Points& x) const;
 
+  /// Those of some triangles, by row, that do.
+  std::vector<int> flipped_of(const std::vector<int>& rows, const Points& x) const;
+
   /// Triangles that lie the other way round at x.
   int count_flipped(const Points& x) const;
 
