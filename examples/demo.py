@@ -35,6 +35,7 @@ import film  # noqa: E402
 import fox  # noqa: E402
 import hood  # noqa: E402
 import lattices  # noqa: E402
+import outlines  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
 import puppet  # noqa: E402
@@ -138,6 +139,7 @@ def run(pictures: Path | None) -> None:
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
     if pictures:
         images |= {"contact_sheet": sheet, "film": film_sheet}
+        images["cutouts"] = contact_sheet.sheet("Outlines and meshes", outlines.rows(cutout.DRAWINGS))
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
         images["lattices"] = contact_sheet.sheet("Posed by one lattice each", in_lattices)
         images["flatten"] = contact_sheet.sheet("A surface laid flat, and what it is posed by", [laid_flat])
@@ -179,9 +181,6 @@ def build(character: Character) -> bpy.types.Object:
     start = time.perf_counter()
     obj = cutout.build(character.name, character.layers, character.spacing, pixels_per_unit=200)
     obj.location.x = character.x
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
     puppet.add_pins(obj, character.layers, character.pins)
     angle = cutout.smallest_angle(puppet.shown_points(obj), triangles(obj))
     print(

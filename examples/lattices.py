@@ -53,7 +53,6 @@ def layered(
     for layer in layers:
         obj = cutout.build(f"Paper {layer.name}", [layer], spacing, pixels_per_unit=150)
         obj.location.x = x
-        bpy.context.scene.collection.objects.link(obj)
         objects.append(obj)
     lattice = _fit(objects, space="PLANE", resolution=(14, 14))
     by_layer = {layer.name: obj for layer, obj in zip(layers, objects, strict=True)}

@@ -34,7 +34,7 @@ MAY_IMPORT = {
 }
 # What is in these rooms may import what comes before it there.
 ORDER = {
-    "model": ["__init__", "work", "plane", "posing", "lattice", "flatten", "timing", "input"],
+    "model": ["__init__", "work", "plane", "posing", "lattice", "flatten", "image", "timing", "input"],
     "scene": [
         *(
             "__init__",
@@ -44,6 +44,7 @@ ORDER = {
             "pins",
             "lattice",
             "flatten",
+            "image",
             "view",
             "inbetweens",
             "motion",

@@ -153,6 +153,24 @@ def test_the_first_shot(window: Any) -> Iterator[None]:
     save("first_shot_generated", shot(window, "first_shot_generated"))
 
 
+def test_cutout_settings(window: Any) -> Iterator[None]:
+    """A drawing of the demo that has just been dropped, and its settings at the lower left."""
+    yield from large_view(window)
+    yield from window.look("FRONT", 3.2)
+    space = window.area.spaces.active
+    space.shading.light = "FLAT"
+    space.overlay.show_outline_selected = space.overlay.show_extras = space.overlay.show_cursor = False
+    with window.context():
+        path = ROOT / "out" / "drawings" / "Lantern Fox Body.png"
+        bpy.ops.planar.cutout_from_image("INVOKE_DEFAULT", True, filepath=str(path), factor=480.0)
+    yield from window.wait(1.0)
+    yield from window.hover((window.area.x + 850, window.area.y + 640))
+    yield from window.key("F9")
+    yield from window.wait(0.8)
+    save("cutout_settings", shot(window, "cutout_settings", window.area), crop="800x600+400+70")
+    yield from window.key("ESC")
+
+
 def test_the_pose_tool(window: Any) -> Iterator[None]:
     yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 6.6)
     yield from large_view(window)

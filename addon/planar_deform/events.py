@@ -15,6 +15,7 @@ from .model.posing import solver_cache, solving
 from .operators import live_targets, stiffness
 from .operators.modal import running
 from .scene import follow
+from .scene.image import preview, reading
 from .scene.lattice import reaching, rig
 from .scene.objects import cutout_object, lattice_edits, triangulation
 from .scene.pins import following
@@ -66,6 +67,7 @@ def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> 
 
 def _before_undo(*_: object) -> None:
     running.let_go()
+    preview.forget()
 
 
 def _after_undo(*_: object) -> None:
@@ -111,6 +113,8 @@ RESET: tuple[Callable[[], None], ...] = (
     live_targets.forget,
     following.forget,
     lattice_edits.forget,
+    preview.forget,
+    reading.forget,
 )
 
 

@@ -15,6 +15,7 @@ from .operators import (
     box_select,
     breakdown,
     click,
+    cutout,
     drag,
     flatten,
     inbetweens,
@@ -34,7 +35,7 @@ from .operators import (
 )
 from .scene import properties
 from .ui import menus
-from .ui.draw import gestures, mesh_edges, onion_skin, quality
+from .ui.draw import cutout_preview, gestures, mesh_edges, onion_skin, quality
 from .ui.panels import (
     bake_panel,
     flatten_panel,
@@ -51,6 +52,7 @@ from .ui.tool import gizmos, hint, pin_menu, pose_tool
 MODULES = (
     preferences,
     properties,
+    cutout,
     pins,
     rest,
     refine,
@@ -79,6 +81,7 @@ MODULES = (
     gestures,
     quality,
     mesh_edges,
+    cutout_preview,
     onion_skin,
     pins_panel,
     posing_panel,

@@ -161,3 +161,21 @@ def test_script_of_the_flatten_page():
     assert flat.planar.surface.data.uv_layers.active is not None
     width, _, height = flat.dimensions
     assert np.allclose((width, height), (24 * 2 * np.sin(np.pi / 24), 2.0), atol=1e-5)
+
+
+def test_script_of_the_cutouts_page(tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    (tmp_path / "layers").mkdir()
+    art = np.zeros((60, 40, 4), np.float32)
+    art[10:50, 10:30] = 1.0
+    for name in ("1 legs", "2 body"):
+        image = bpy.data.images.new(name, 40, 60, alpha=True)
+        image.pixels.foreach_set(art.ravel())
+        image.filepath_raw, image.file_format = str(tmp_path / "layers" / f"{name}.png"), "PNG"
+        image.save()
+        bpy.data.images.remove(image)
+    exec(script_of("cutouts.md"), {})
+    obj = bpy.context.object
+    assert obj.data.materials.keys() == ["1 legs", "2 body"]
+    assert 1200 < len(obj.data.vertices) < 2000
+    assert bpy.data.images[0].filepath.startswith("//layers")

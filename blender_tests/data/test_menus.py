@@ -4,7 +4,8 @@
 import bpy
 from support import bar
 
-LEFT_OUT = {"PLANAR_OT_click", "PLANAR_OT_guard_key", "PLANAR_OT_pin_menu"}  # what the Pose tool's keys do
+# What the Pose tool's keys do, and the file browser of one that is there.
+LEFT_OUT = {"PLANAR_OT_click", "PLANAR_OT_guard_key", "PLANAR_OT_pin_menu", "PLANAR_OT_choose_images"}
 
 
 class Layout:

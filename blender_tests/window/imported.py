@@ -43,14 +43,21 @@ def painted() -> np.ndarray:
     return picture
 
 
+def save_png(path: Path, picture: np.ndarray) -> Path:
+    """Pixels h x w x 4, rows from the bottom, as a file alone."""
+    height, width = picture.shape[:2]
+    image = bpy.data.images.new(path.stem, width, height, alpha=True)
+    image.pixels.foreach_set(picture.ravel())
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    return path
+
+
 def import_doll(folder: Path) -> bpy.types.Object:
     """The doll drawn, written as doll.png and doll.obj, and imported by Blender's own importer."""
     picture = painted()
-    image = bpy.data.images.new("doll", WIDTH, HEIGHT, alpha=True)
-    image.pixels.foreach_set(picture.ravel())
-    image.filepath_raw, image.file_format = str(folder / "doll.png"), "PNG"
-    image.save()
-    bpy.data.images.remove(image)
+    save_png(folder / "doll.png", picture)
     squares = [
         (x, y)
         for y in range(0, HEIGHT, SQUARE)

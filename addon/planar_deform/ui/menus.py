@@ -19,6 +19,15 @@ class PlanarMenu:
         return self.layout
 
 
+class PLANAR_MT_cutout(PlanarMenu, bpy.types.Menu):
+    bl_label = "Cutout"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        column.operator("planar.cutout_from_image", icon="IMAGE_DATA")
+        column.operator("planar.make_cutout", icon="OUTLINER_OB_IMAGE")
+
+
 class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
     bl_label = "Pins"
 
@@ -129,6 +138,7 @@ class PLANAR_MT_flatten(PlanarMenu, bpy.types.Menu):
 
 
 MENUS = (
+    PLANAR_MT_cutout,
     PLANAR_MT_pins,
     PLANAR_MT_posing,
     PLANAR_MT_poses,
@@ -157,10 +167,21 @@ def _uv_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
     menu.layout.operator("planar.flatten").to = "UV"
 
 
+def _image_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    menu.layout.operator_context = "INVOKE_REGION_WIN"
+    menu.layout.operator("planar.cutout_from_image", icon="IMAGE_DATA")
+
+
 CLASSES = (*MENUS, PLANAR_MT_object)
 
 # Blender's menus, with what is put into them.
-ENTRIES = (("VIEW3D_MT_object", _entry), ("VIEW3D_MT_uv_map", _uv_entry), ("IMAGE_MT_uvs", _uv_entry))
+ENTRIES = (
+    ("VIEW3D_MT_object", _entry),
+    ("VIEW3D_MT_image_add", _image_entry),
+    ("TOPBAR_MT_file_import", _image_entry),
+    ("VIEW3D_MT_uv_map", _uv_entry),
+    ("IMAGE_MT_uvs", _uv_entry),
+)
 
 
 def register() -> None:

@@ -16,9 +16,10 @@ HERE = Path(__file__).parent
 PROJECT = HERE.parents[2]
 sys.path[:0] = [str(PROJECT / "examples"), str(PROJECT / "addon")]
 
+from even_mesh import silhouette, triangulate  # noqa: E402
+
 import dragon  # noqa: E402
 import fox  # noqa: E402
-from cutout import silhouette, triangulate  # noqa: E402
 
 DIGITS = 4  # of a drawing some four units tall
 

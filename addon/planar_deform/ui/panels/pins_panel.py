@@ -97,6 +97,8 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         )
         if reason is not None:
             lines(layout, reason, "INFO", context)
+        if obj is None:
+            layout.operator("planar.cutout_from_image", icon="IMAGE_DATA")
         if obj is None or obj.type not in {"MESH", "LATTICE"}:
             return
         if reason is None and obj.type == "MESH" and coarseness.of(obj):
@@ -107,6 +109,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
                 context,
             )
             layout.operator("planar.refine_mesh", icon="MOD_SUBSURF")
+            layout.operator("planar.make_cutout", icon="OUTLINER_OB_IMAGE")
         told = _unheld(obj, seen) if reason is None and seen is not None else None
         if told is not None:
             lines(layout, told, "INFO", context)
