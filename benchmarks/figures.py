@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print how well and how fast "hold" poses characters, beside AKVF and libigl's SLIM and ARAP, how good the
 in-betweens of these poses are, beside the printed form and a polar blend, how lattices pose, beside the
-printed form, how ARAP does beside the other methods, how surfaces are laid flat, beside libigl, and how
-drawings are meshed, in one run.
+printed form, how ARAP does beside the other methods, how surfaces are laid flat, beside libigl, how drawings
+are meshed, and how dense ones are posed through a cage, in one run.
 
 Exits with 1 when one of the printed conditions fails. tools/figures.sh runs it with all it needs.
 """
@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 from figures_arap import arap_table
+from figures_cage import cage_table
 from figures_cutout import cutout_table
 from figures_data import bent_bar, read_shape
 from figures_flatten import flatten_table
@@ -33,9 +34,10 @@ TABLES = {
     "arap": arap_table,
     "flatten": flatten_table,
     "cutout": cutout_table,
+    "cage": cage_table,
 }
 # Those that have something to measure without characters.
-BAR_TOO = ("settle", "inbetweens", "arap", "flatten", "cutout")
+BAR_TOO = ("settle", "inbetweens", "arap", "flatten", "cutout", "cage")
 
 
 def main() -> int:

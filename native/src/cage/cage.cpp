@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <utility>
 
 #include "base/index.h"
 #include "cage/coarsening.h"
+#include "mesh/triangle_shape.h"
 
 namespace planar {
 namespace {
@@ -18,6 +20,10 @@ namespace {
 constexpr double regularisation = 1e-9;
 /// Solves of the fit, each for what the one before leaves: takes out what the regularisation does.
 constexpr int rounds = 2;
+
+/// Of the size: coordinates beyond make float32 coarse beside a dense mesh's triangles.
+constexpr double far_out = 10.0;
+constexpr double squeezed = 0.05;  // of the area at rest
 
 std::array<double, 3> weights_of(const Place& place) {
   return {1.0 - place.first - place.second, place.first, place.second};
@@ -78,6 +84,50 @@ Cage make_cage(const Points& rest, Coarse coarse) {
   cage.rest.conservativeResize(cage.rest.rows() + n_isolated, 2);
   cage.rest.bottomRows(n_isolated) = rest(cage.isolated, Eigen::all);
   return cage;
+}
+
+Suspects::Suspects(const Cage& cage, const Points& rest, const Triangles& triangles)
+    : first_(planar::at(cage.triangles.rows()) + 1),
+      far_(rest.cwiseAbs().maxCoeff() >
+           far_out * (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff()) {
+  const auto owner = [&](Eigen::Index t) {
+    const int a = cage.places[planar::at(triangles(t, 0))].triangle;
+    const bool one = a == cage.places[planar::at(triangles(t, 1))].triangle &&
+                     a == cage.places[planar::at(triangles(t, 2))].triangle;
+    return one ? a : -1;
+  };
+  std::vector<int> owners;
+  owners.reserve(planar::at(triangles.rows()));
+  for (int t = 0; t < static_cast<int>(triangles.rows()); ++t) {
+    owners.push_back(owner(t));
+    if (owners.back() < 0) {
+      across_.push_back(t);
+    } else {
+      ++first_[planar::at(owners.back()) + 1];
+    }
+  }
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  inside_.resize(owners.size() - across_.size());
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (int t = 0; t < static_cast<int>(owners.size()); ++t) {
+    const int one = owners[planar::at(t)];
+    if (one >= 0) inside_[planar::at(next[planar::at(one)]++)] = t;
+  }
+}
+
+std::vector<int> Suspects::at(const Cage& cage, const Points& x, bool all) const {
+  std::vector<int> result = across_;
+  if (all || far_) {
+    result.insert(result.end(), inside_.begin(), inside_.end());
+    return result;
+  }
+  for (Eigen::Index t = 0; t < cage.triangles.rows(); ++t) {
+    const int* corner = cage.triangles.data() + 3 * t;
+    if (doubled_area(x, corner) > squeezed * doubled_area(cage.rest, corner)) continue;
+    const auto begin = inside_.begin();
+    result.insert(result.end(), begin + first_[planar::at(t)], begin + first_[planar::at(t) + 1]);
+  }
+  return result;
 }
 
 CageFit::CageFit(const Cage& cage, const Mesh& mesh)

@@ -52,6 +52,23 @@ inline Eigen::RowVector2d carried(const Place& place, const Triangles& triangles
           a[1] + place.first * (b[1] - a[1]) + place.second * (c[1] - a[1])};
 }
 
+/// Which triangles of the dense mesh can be turned over although the cage's are not.
+class Suspects {
+ public:
+  /// \param rest n×2
+  Suspects(const Cage& cage, const Points& rest, const Triangles& triangles);
+
+  /// Rows of the dense triangles that lie in several of the cage's, and of those in one of the cage's that is
+  /// turned over or squeezed to little area at x; all rows if `all`. Float32 tells the others from turned
+  /// ones.
+  std::vector<int> at(const Cage& cage, const Points& x, bool all) const;
+
+ private:
+  std::vector<int> across_;          ///< rows
+  std::vector<int> first_, inside_;  ///< rows in each triangle of the cage, one list after the other
+  bool far_;                         ///< from the origin, so that float32 tells less
+};
+
 /// The positions of a cage whose carried vertices are nearest to given ones, by least squares; factored once.
 class CageFit {
  public:

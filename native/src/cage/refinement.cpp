@@ -12,6 +12,7 @@ constexpr double pin_grading = 0.4;
 constexpr double worst_grading = 1.2;  // beyond, hardly an edge is long enough to be halved
 constexpr double room = 0.5;           // of the vertices: how many more there may be
 constexpr double too_long = 1.4;       // of the wished length
+constexpr int fewest = 3;              // dense vertices on both sides of an edge that is halved
 constexpr int most_sweeps = 40;
 
 struct Spot {
@@ -54,6 +55,9 @@ Coarse refined_near(const Points& dense, const Coarse& coarse, const std::vector
       const double now = std::max(result.sizes[at(a)], result.sizes[at(b)]);
       const double size = wished(0.5 * (work.at_vertex(a) + work.at_vertex(b)), now);
       if (!(size < now) || length <= too_long * size) continue;
+      // Where no dense vertex depends on the new one nothing would say where it is.
+      const int beyond = mesh.twin(h) < 0 ? 0 : work.count_in(mesh.twin(h) / 3);
+      if (work.count_in(h / 3) + beyond < fewest) continue;
       work.split(h);
       result.sizes.push_back(size);
       result.origins.push_back({-1, a, b});

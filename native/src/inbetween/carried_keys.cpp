@@ -61,6 +61,7 @@ CarriedKeys::CarriedKeys(const std::vector<Points>& keys, EdgeGraph graph, const
       graph_(std::move(graph)),
       cage_(make_cage(reference, std::move(coarse))),
       mesh_(cage_.rest.rows(), cage_.triangles),
+      suspects_(cage_, reference, graph_.triangles),
       dense_part_(at(mesh_.n_parts), -1) {
   graph_.edges = {};
   for (std::size_t v = 0; v < cage_.places.size(); ++v) {
@@ -131,8 +132,9 @@ Points CarriedKeys::carried(const Points& x, std::size_t k, double u) const {
   }
   for (const int v : cage_.isolated) result.row(v) = x.row(cage_.row_of(v));
   const std::size_t nearest = share < 0.5 ? k : k + 1;
+  const bool all = !before.empty() || !after.empty();
   turn_upright(dense_keys_[nearest], upright_[k], Eigen::RowVector2d::Zero(), {},
-               std::vector<char>(at(result.rows())), result);
+               std::vector<char>(at(result.rows())), suspects_.at(cage_, x, all), result);
   return result;
 }
 

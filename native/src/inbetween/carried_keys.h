@@ -46,6 +46,7 @@ class CarriedKeys {
   EdgeGraph graph_;
   Cage cage_;
   Mesh mesh_;
+  Suspects suspects_;
   std::vector<int> dense_part_;  ///< of each part of the cage
   Eigen::MatrixXi turns_;        ///< (K-1)×parts of the dense mesh
   std::vector<Points> cage_keys_;

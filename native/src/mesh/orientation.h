@@ -34,6 +34,11 @@ class Orientation {
   /// Whether each triangle lies the other way round at x.
   Flags flipped(const Points& x) const;
 
+  /// Whether triangle t does.
+  bool is_flipped(const Points& x, int t) const {
+    return area_as_at_rest(x, static_cast<std::size_t>(t)) < 0.0;
+  }
+
   /// Triangles that lie the other way round at x.
   int count_flipped(const Points& x) const;
 

@@ -55,6 +55,7 @@ CageMethod::Solved::Solved(Cage made, const CageMethod& owner, std::vector<int> 
     : cage(std::move(made)),
       mesh(cage.rest.rows(), cage.triangles),
       orientation(orientation_of(cage, owner.centre_)),
+      suspects(cage, owner.rest_.rowwise() + owner.centre_, owner.orientation_.triangles()),
       fit(cage, mesh),
       method(owner.make_(
           cage.rest, cage.triangles, orientation,
@@ -156,6 +157,10 @@ void CageMethod::set_handles(const HandleSet& set) {
   }
   std::vector<char> pinned(at(rest_.rows()));
   for (const int v : set.handles.vertices.reshaped()) pinned[at(v)] = 1;
+  for (std::size_t v = 0; v < pinned.size(); ++v) {  // what has no handles stays
+    const int triangle = on.cage.places[v].triangle;
+    if (triangle < 0 || !held[at(on.mesh.part[at(on.cage.triangles(triangle, 0))])]) pinned[v] = 1;
+  }
   on.method->set_handles(on_cage);
   if (made) {
     on_ = std::move(made);
@@ -247,7 +252,10 @@ void CageMethod::settle(const Points& targets, Points& x, Report& report) {
 
 void CageMethod::act(Action action, int rounds, double kept, const Points& targets, Points& x,
                      Report& report) {
-  if (!on_) return;
+  if (!on_) {
+    report.flipped = orientation_.count_flipped(x);
+    return;
+  }
   if (unseen_) take(x);
   const std::vector<double> left = left_after(kept);
   const Points before = x_;
@@ -280,8 +288,11 @@ void CageMethod::act(Action action, int rounds, double kept, const Points& targe
   }
   left_ = left;
   carry(moves, x);
-  repaired_ = turn_upright(rest_, orientation_, centre_, stiffness_, pinned_, x);
+  const std::vector<int> suspects = on_->suspects.at(on_->cage, x_, !beside_.is_empty());
+  repaired_ = turn_upright(rest_, orientation_, centre_, stiffness_, pinned_, suspects, x);
   repaired_places_ = x(repaired_, Eigen::all);
+  report.flipped = static_cast<int>(
+      std::count_if(suspects.begin(), suspects.end(), [&](int t) { return orientation_.is_flipped(x, t); }));
 }
 
 /// Takes the vertices of these parts of the mesh to where the cage has them.

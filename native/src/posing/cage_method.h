@@ -37,6 +37,7 @@ class CageMethod final : public PosingMethod {
   void refine(const Points& targets, Points& x, Report& report) override;
   void settle(const Points& targets, Points& x, Report& report) override;
   void reset() noexcept override { unseen_ = true; }
+  bool counts_flipped() const override { return true; }
 
  private:
   using Action = void (PosingMethod::*)(const Points& targets, Points& x, Report& report);
@@ -46,6 +47,7 @@ class CageMethod final : public PosingMethod {
     Cage cage;
     Mesh mesh;
     Orientation orientation;
+    Suspects suspects;
     CageFit fit;
     std::unique_ptr<PosingMethod> method;
     std::vector<int> near;  ///< dense vertices where it is refined, ascending
@@ -81,7 +83,7 @@ class CageMethod final : public PosingMethod {
   std::vector<double> left_;  ///< how much of it is left, by part
 
   Handles handles_, cage_handles_;
-  std::vector<char> pinned_;  ///< n: vertices of handles
+  std::vector<char> pinned_;  ///< n: vertices of handles, and of parts without
   std::vector<char> held_;    ///< by part of the cage: it has handles
 };
 

@@ -99,7 +99,7 @@ void Poser::State::act(Action action, Points towards) {
   if (towards.rows() != 0) {
     done.furthest_handle = (handles.positions(next) - towards).rowwise().norm().maxCoeff();
   }
-  done.flipped = orientation.count_flipped(next);
+  if (!method->counts_flipped()) done.flipped = orientation.count_flipped(next);
   // What stays where it is does so to the bit.
   for (Eigen::Index v = 0; v < x.rows(); ++v) {
     if (next.row(v) != x.row(v)) positions.row(v) = next.row(v) + centre;

@@ -36,6 +36,8 @@ class PosingMethod {
   virtual void settle(const Points& targets, Points& x, Report& report) = 0;
   /// The positions are no longer those of the last call: forget what was derived from them.
   virtual void reset() noexcept = 0;
+  /// Whether it fills in `flipped` of reports, too; else the Poser looks at all triangles.
+  virtual bool counts_flipped() const { return false; }
 };
 
 }  // namespace planar

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "base/disjoint_sets.h"
 #include "base/index.h"
@@ -21,12 +22,11 @@ constexpr int most_free = 4000;  // vertices: beyond, a move would be felt to st
 /// Of the vertices round a patch, beside energies of area: it moves them by 1e-5 of an edge.
 constexpr double held = 1e6;
 
-/// The vertices within so many rings of flagged triangles, but for the fixed ones.
-std::vector<char> vertices_near(const Triangles& triangles, const Flags& flipped, int n_rings,
+/// The vertices within so many rings of some triangles, but for the fixed ones.
+std::vector<char> vertices_near(const Triangles& triangles, const std::vector<int>& rows, int n_rings,
                                 const std::vector<char>& fixed) {
   std::vector<char> near(fixed.size());
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    if (!flipped[t]) continue;
+  for (const int t : rows) {
     for (int c = 0; c < 3; ++c) near[at(triangles(t, c))] = 1;
   }
   for (int ring = 1; ring < n_rings; ++ring) {
@@ -110,12 +110,15 @@ void settle_patches(const Patch& patch, const Points& rest, const Orientation& o
 
 std::vector<int> turn_upright(const Points& rest, const Orientation& orientation,
                               const Eigen::RowVector2d& centre, const Eigen::VectorXd& stiffness,
-                              const std::vector<char>& fixed, Points& x) {
+                              const std::vector<char>& fixed, const std::vector<int>& suspects, Points& x) {
   const Triangles& triangles = orientation.triangles();
   std::vector<int> moved;
   for (const Attempt& attempt : attempts) {
-    if (orientation.count_flipped(x) == 0) break;
-    const std::vector<char> free = vertices_near(triangles, orientation.flipped(x), attempt.rings, fixed);
+    std::vector<int> flipped;
+    std::copy_if(suspects.begin(), suspects.end(), std::back_inserter(flipped),
+                 [&](int t) { return orientation.is_flipped(x, t); });
+    if (flipped.empty()) break;
+    const std::vector<char> free = vertices_near(triangles, flipped, attempt.rings, fixed);
     if (std::count(free.begin(), free.end(), char{1}) > most_free) break;
     try {
       settle_patches(Patch(triangles, free), rest, orientation, centre, stiffness, attempt.steps, x, moved);

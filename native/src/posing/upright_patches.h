@@ -19,9 +19,11 @@ namespace planar {
 ///
 /// \param fixed n flags: vertices that stay
 ///
+/// \param suspects triangles that may be turned over; the others are not looked at
+///
 /// \return the vertices that it moved
 std::vector<int> turn_upright(const Points& rest, const Orientation& orientation,
                               const Eigen::RowVector2d& centre, const Eigen::VectorXd& stiffness,
-                              const std::vector<char>& fixed, Points& x);
+                              const std::vector<char>& fixed, const std::vector<int>& suspects, Points& x);
 
 }  // namespace planar
