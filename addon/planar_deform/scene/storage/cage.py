@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-VERTICES = 4000  # of the coarse mesh: with them it is off by less than 0.5 % of the drawing's size
+VERTICES = 4000  # of the coarse mesh: it is off by a few thousandths of the drawing's size, see `tools/figures.sh --table cage`
 # A move of as many vertices takes about as long as the mouse takes to move on.
 ABOVE = 8000  # unless an object says otherwise
 
