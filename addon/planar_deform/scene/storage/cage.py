@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-VERTICES = 4000  # of the coarse mesh: with them it is off by less than 0.5 % of the drawing's size
+# Of the coarse mesh. It is off by a few thousandths of the drawing: `tools/figures.sh --table cage`.
+VERTICES = 4000
 # A move of as many vertices takes about as long as the mouse takes to move on.
 ABOVE = 8000  # unless an object says otherwise
 

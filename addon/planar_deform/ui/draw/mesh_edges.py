@@ -14,6 +14,7 @@ from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
 from ...scene.view.snapshot import Snapshot
 from ..tool.tool_state import pose_tool_is_active
+from . import vertices
 from .in_views import InViews
 
 CLASSES = ()
@@ -36,7 +37,7 @@ def _draw() -> None:
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     batch = _made.get(seen)
     if batch is None:
-        batch = _made[seen] = _make(seen, shader)
+        batch = _made[seen] = _make(seen)
     shader.bind()
     shader.uniform_float("color", EDGES)
     gpu.state.blend_set("ALPHA")
@@ -44,10 +45,10 @@ def _draw() -> None:
     gpu.state.blend_set("NONE")
 
 
-def _make(seen: Snapshot, shader: gpu.types.GPUShader) -> gpu.types.GPUBatch:
-    places = gpu.types.GPUVertBuf(shader.format_calc(), len(seen.points))
-    places.attr_fill("pos", seen.points.astype(np.float32))
-    return gpu.types.GPUBatch(type="LINES", buf=places, elem=_indices(seen.edges))
+def _make(seen: Snapshot) -> gpu.types.GPUBatch:
+    ends = gpu.types.GPUVertBuf(vertices.places(), len(seen.points))
+    ends.attr_fill("pos", seen.points.astype(np.float32))
+    return gpu.types.GPUBatch(type="LINES", buf=ends, elem=_indices(seen.edges))
 
 
 def _indices(edges: Indices) -> gpu.types.GPUIndexBuf:

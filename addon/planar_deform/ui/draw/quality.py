@@ -16,7 +16,7 @@ from ...model.plane.frame import Array, Array32
 from ...scene.pins.pin_list import has_pins
 from ...scene.view import snapshot
 from ...scene.view.snapshot import Snapshot
-from . import marks
+from . import marks, vertices
 from .in_views import InViews
 
 CLASSES = ()
@@ -120,7 +120,7 @@ def _make(seen: Snapshot, kind: str) -> _Made:
     values = distortion.triangle_area if kind == "AREA" else distortion.triangle_angle
     places = np.where(flipped, _STEPS, _place(share(values)))
     points = seen.points.astype(np.float32)
-    corners = gpu.types.GPUVertBuf(_corner_format(), 3 * len(seen.triangles))
+    corners = gpu.types.GPUVertBuf(vertices.places(coloured=True), 3 * len(seen.triangles))
     corners.attr_fill("pos", np.take(points, seen.triangles.ravel(), axis=0))
     corners.attr_fill("color", np.repeat(_BYTES[places], 3, axis=0))
     fill = gpu.types.GPUBatch(type="TRIS", buf=corners)
@@ -130,14 +130,6 @@ def _make(seen: Snapshot, kind: str) -> _Made:
         pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
         border = batch_for_shader(pen, "LINES", {"pos": points[sides]})
     return _Made(kind, fill, border)
-
-
-def _corner_format() -> gpu.types.GPUVertFormat:
-    """Places and colours of corners, these in bytes: of a dense drawing they are a million."""
-    form = gpu.types.GPUVertFormat()
-    form.attr_add(id="pos", comp_type="F32", len=3, fetch_mode="FLOAT")
-    form.attr_add(id="color", comp_type="U8", len=4, fetch_mode="INT_TO_FLOAT_UNIT")
-    return form
 
 
 def _draw_legend() -> None:
