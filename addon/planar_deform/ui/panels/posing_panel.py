@@ -41,7 +41,7 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         else:
             column.prop(settings, "method")
             column.prop(settings, "pin_weight")
-            column.prop(settings, "coarse_above")
+            column.prop(settings, "coarse_above", text="Coarse Above")
             column.prop(settings, "show_mesh")
             layout.operator("planar.remesh", icon="MOD_REMESH")
             row = layout.row(align=True)
