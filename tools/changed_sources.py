@@ -3,7 +3,7 @@
 """Print the compiled sources that differ from what has landed, and of those that include it one a header.
 
 What has landed is where this branch left origin/main or, without that, main. On that commit itself, as in
-a clean clone, it is the last one that is four hours older. Where there is none, and where the checks or the
+a clean clone, it is the last one that is three hours older. Where there is none, and where the checks or the
 build have changed, all sources are printed; `make nightly` reads all of them in any case.
 usage: changed_sources.py FOLDER...
 """
@@ -15,7 +15,7 @@ from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[1]
 CONCERNS_ALL = {".clang-tidy", "CMakeLists.txt"}  # the top one, not the lists of sources
-PIECE_OF_WORK = 4 * 3600  # seconds: nobody works longer on what lands at once
+PIECE_OF_WORK = 3 * 3600  # seconds: nobody works longer on what lands at once
 
 
 def git(*arguments: str) -> list[str]:
