@@ -114,6 +114,7 @@ Ties CarriedKeys::ties(const Eigen::VectorXi& anchor, const Edges& joints) const
 
 std::vector<int> CarriedKeys::parts(const std::vector<int>& of_cage) const {
   std::vector<int> result;
+  result.reserve(of_cage.size());
   for (const int part : of_cage) result.push_back(dense_part_[at(part)]);
   std::sort(result.begin(), result.end());
   return result;
