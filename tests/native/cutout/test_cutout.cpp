@@ -109,6 +109,20 @@ TEST(Cutout, SaysWhenTheWishCannotBe) {
             std::string::npos);
 }
 
+TEST(Cutout, HasAsManyVerticesAsWishedWithAnyMargin) {
+  for (const double margin : {2.0, 20.0, 50.0, 100.0, 200.0, 1000.0, 16384.0}) {
+    SCOPED_TRACE(margin);
+    CutoutOptions options;
+    options.margin = margin;
+    const Cutout found = cutout(figure(72), options);
+    EXPECT_NEAR(static_cast<double>(found.points.rows()), 1500.0, 375.0);
+    EXPECT_TRUE(found.reached);
+    EXPECT_TRUE(found.said.empty());
+    EXPECT_EQ(lost_pixels(figure(72), polygons(found), 0.5), 0);
+    expect_a_mesh(found);
+  }
+}
+
 TEST(Cutout, EdgesAreAsLongAsGiven) {
   CutoutOptions options;
   for (const double edge : {12.0, 30.0}) {
