@@ -59,7 +59,8 @@ struct Outline {
   std::vector<Points> rings;
 
   /// Length of edges that the wish comes to, before thin parts ask for shorter ones: in the area of the art,
-  /// or in the outline's where a margin is given.
+  /// or in the outline's where a margin is given. Of a Cutout longer where thin parts would need more than
+  /// the wish.
   double edge;
   double margin;    ///< as used
   double rounding;  ///< as used
@@ -73,6 +74,8 @@ struct Outline {
 };
 
 /// The outline of an image's art.
+///
+/// Where no margin is given that of cutout() is wider if thin parts would need more vertices than are wished.
 ///
 /// The image is worked on at 512 to 1024 samples a side, or with its margin at twice that at most (at more
 /// where the wish for vertices needs it), by block maxima, so that no art is lost. Art is grown by margin +
@@ -100,8 +103,9 @@ struct Cutout {
   /// Whether there are as many vertices as wished, within a quarter; true if an edge was given.
   bool reached;
 
-  /// What a person who made the wish should know, a sentence each: that more vertices were needed, that
-  /// islands were dropped. Empty if there is nothing.
+  /// What a person who made the wish should know, a sentence each: how many vertices the drawing needs at
+  /// least, with the options as they are but for the wish, that islands were dropped. Empty if there is
+  /// nothing.
   std::vector<std::string> said;
 };
 
@@ -110,7 +114,10 @@ struct Cutout {
 ///
 /// The outline becomes a polygon that stays in a band along it, with edges as long as this allows. Edges are
 /// shorter where the art is thin (1.1 times the distance to the outline, on its medial axis) and grow by 0.35
-/// of the distance from there. Inside lie hexagonal lattices
+/// of the distance from there. Where they would need more vertices than are wished by over a quarter,
+/// Outline::edge is lengthened, and with it the margin where none is given, and the shortest edge: up to a
+/// quarter of the longer side of the art with its margin, or what a wish for 3 vertices comes to in a square
+/// of as much art. That is the least a drawing needs, the same for any wish. Inside lie hexagonal lattices
 /// from coarse to fine, joined by constrained Delaunay triangulation and smoothed towards centroids weighted
 /// by area over squared size [Chen04].
 ///

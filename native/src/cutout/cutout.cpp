@@ -25,7 +25,7 @@ constexpr int widenings = 3;
 constexpr int triangulations = 1 + gap_rounds + smoothings + widenings;  // at most
 /// Of the wish.
 constexpr double near_wish = 0.25, near_wish_at_once = 0.1;
-constexpr int attempts = 3;
+constexpr int attempts = 3, coarsenings = 3;
 
 class Progress {
  public:
@@ -182,8 +182,17 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   Plan plan = planner.of_wish();
 
   Cutout result{};
-  const double wished = options.vertices;
-  const Attempt best = attempted(plan, options, told);
+  const double wished = options.vertices, most = (1.0 + near_wish) * wished;
+  Attempt best;
+  double target = wished;
+  for (int i = 0; i < coarsenings; ++i) {
+    if (!options.edge && plan.least() > (i == 0 ? most : target) && !planner.is_coarsest(plan))
+      plan = planner.enough_for(target, plan);
+    best = attempted(plan, options, told);
+    const auto n = static_cast<double>(best.filled.mesh.points.rows());
+    if (options.edge || n <= most || planner.is_coarsest(plan)) break;
+    target = i + 2 < coarsenings ? std::min(target * wished / n, 0.95 * plan.least()) : 0.0;  // the coarsest
+  }
 
   const OutlineField& field = plan.field;
   const PlanarMesh& made = best.filled.mesh;
@@ -205,7 +214,9 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   result.reached = options.edge || (ratio <= 1.0 + near_wish && ratio >= 1.0 - near_wish);
   if (!result.reached) {
     const std::string all = std::to_string(n) + " vertices";
-    result.said.push_back(ratio > 1.0 ? "This drawing needs at least " + all + "."
+    // A margin that was given holds edges short in thin parts, until it is that of the coarsest edge.
+    const char* less = planner.margin_holds(plan) ? "; with a larger margin fewer." : ".";
+    result.said.push_back(ratio > 1.0 ? "This drawing needs at least " + all + less
                                       : "This drawing has room for " + all + ".");
   }
   if (field.dropped_islands > 0) {

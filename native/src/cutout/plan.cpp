@@ -21,6 +21,10 @@ constexpr double shortest_edge = 1.5;
 constexpr double coarsest_of_side = 0.25;
 /// The least that can be wished: no edge needs to be longer than it comes to.
 constexpr double least_wish = 3.0;
+/// Plans tried for an edge, and how near the estimate is to the wish then.
+constexpr int tries = 6;
+constexpr double near_estimate = 0.05;
+
 /// Short enough for two rows of triangles across a line without thickness, which is twice the margin wide.
 double shortest_of(const OutlineField& field, const CutoutOptions& options) {
   const double edge = options.edge ? field.edge : std::min(field.edge, field.margin / margin_of_edge);
@@ -70,6 +74,40 @@ Plan Planner::of_wish() {
   if (options_.edge || !options_.margin) return found;
   const double edge = std::min(coarsest_, even_edge(area_of(found.field), options_.vertices));
   return edge > art_.edge ? plan(edge) : found;
+}
+
+Plan Planner::enough_for(double vertices, const Plan& finer) {
+  double low = finer.field.edge * finer.field.sample, high = coarsest_;
+  // Fine samples are for short edges: all coarser plans are made from the same ones, and so is the coarsest
+  // for any wish.
+  CutoutOptions coarse = options_;
+  coarse.edge = coarsest_;
+  art_ = art_mask(alpha_, coarse);
+  Plan found = plan(high);
+  double least = found.least(), most = finer.least();
+  for (int i = 0; i < tries && least < (1.0 - near_estimate) * vertices && high > 1.001 * low; ++i) {
+    // Counts are about powers of edges; halving in between where they are not.
+    const double share = std::log(most / vertices) / std::log(most / least);
+    const double edge = low * std::pow(high / low, i % 2 == 0 ? std::clamp(share, 0.1, 0.9) : 0.5);
+    Plan next = plan(edge);
+    if (next.least() > vertices) {
+      low = edge;
+      most = next.least();
+    } else {
+      high = edge;
+      least = next.least();
+      found = std::move(next);
+    }
+  }
+  return found;
+}
+
+bool Planner::is_coarsest(const Plan& plan) const {
+  return plan.field.edge * plan.field.sample >= 0.999 * coarsest_;
+}
+
+bool Planner::margin_holds(const Plan& plan) const {
+  return options_.margin && plan.field.margin * plan.field.sample < margin_of_edge * coarsest_;
 }
 
 }  // namespace planar

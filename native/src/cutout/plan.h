@@ -28,7 +28,7 @@ struct Plan {
   double least() const { return sizes.vertices_for(longest); }
 };
 
-/// Plans for a wish.
+/// Plans for fewer and fewer vertices, by longer edges with their margins.
 class Planner {
  public:
   /// \param told is called before each plan
@@ -36,6 +36,18 @@ class Planner {
 
   /// The one of the edge that the wish comes to in the area that is meshed.
   Plan of_wish();
+
+  /// One that about so many vertices are enough for, with the shortest edge for which this holds; the
+  /// coarsest if it does not for any.
+  ///
+  /// \param finer a plan that needs more
+  Plan enough_for(double vertices, const Plan& finer);
+
+  /// Whether no plan is coarser.
+  bool is_coarsest(const Plan& plan) const;
+
+  /// Whether edges could be longer with a larger margin than the one that was given.
+  bool margin_holds(const Plan& plan) const;
 
  private:
   Plan plan(double edge);
