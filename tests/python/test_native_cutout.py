@@ -225,3 +225,19 @@ def test_real_drawings(path):
     assert found.reached
     assert found.said == []
     assert_holds(found, alpha / 255)
+
+
+@pytest.mark.skipif(not DRAWN, reason=f"no drawings (*.png) in {DRAWINGS}")
+@pytest.mark.parametrize("path", DRAWN, ids=lambda path: path.stem)
+def test_vertices_of_real_drawings_grow_with_the_wish(path):
+    alpha = read_alpha(path)
+    wishes = (10, 50, 100, 200, 400, 800, 1200)
+    found = [planar_native.cutout(alpha, vertices=wish) for wish in wishes]
+    counts = np.array([len(cutout.points) for cutout in found])
+    wanted = np.maximum(wishes, counts[0])
+    assert (np.abs(counts - wanted) <= 0.25 * wanted).all()
+    assert (counts[1:] >= 0.97 * counts[:-1]).all()
+    said = {sentence for cutout in found for sentence in cutout.said}
+    assert said <= {f"This drawing needs at least {counts[0]} vertices."}
+    for cutout in found:
+        assert angles(cutout.points, cutout.triangles).min() > 19

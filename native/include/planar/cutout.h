@@ -30,8 +30,8 @@ struct CutoutOptions {
   int vertices = 1500;           ///< wished, 3 to 2 million; what is given as `edge` counts instead
   std::optional<double> edge{};  ///< length where nothing asks for a shorter one, above 0
 
-  /// How far the outline stays away from the art, from 0. Without: a tenth of the edge. Never less than two
-  /// samples of the image as it is worked on (see Outline::sample), which keep every pixel inside.
+  /// How far the outline stays away from the art, from 0. Without: a tenth of Outline::edge. Never less than
+  /// two samples of the image as it is worked on (see Outline::sample), which keep every pixel inside.
   std::optional<double> margin{};
 
   /// Gaps and notches narrower than twice this are filled, from 0. Without: the margin.
@@ -44,7 +44,9 @@ struct CutoutOptions {
   /// a squared edge covers if that is less.
   std::optional<double> smallest{};
 
-  double finest = 6.0;  ///< edges are shortened to 1/finest of their length at most, from 1 to 100
+  /// Edges are shortened to 1/finest of their length at most, from 1 to 100. With a wish and a margin that is
+  /// less than a tenth of them, further, to 10/finest margins: two rows of triangles then fit across a hair.
+  double finest = 6.0;
 
   /// Called with the share of the work done, in the caller's thread; false stops by `Cancelled`.
   std::function<bool(double)> progress{};
@@ -56,7 +58,10 @@ struct Outline {
   /// around holes clockwise. They do not touch each other or themselves.
   std::vector<Points> rings;
 
-  double edge;      ///< length of edges that the wish comes to, before thin parts ask for shorter ones
+  /// Length of edges that the wish comes to, before thin parts ask for shorter ones: in the area of the art,
+  /// or in the outline's where a margin is given. Of a Cutout longer where thin parts would need more than
+  /// the wish.
+  double edge;
   double margin;    ///< as used
   double rounding;  ///< as used
   double sample;    ///< pixels a sample of the image as it is worked on: 2 for half its size
@@ -70,10 +75,12 @@ struct Outline {
 
 /// The outline of an image's art.
 ///
-/// The image is worked on at 512 to 1024 samples a side (at more where the wish for vertices needs it), by
-/// block maxima, so that no art is lost. Art is grown by margin + rounding and taken back by the rounding,
-/// with exact distances [Felzenszwalb12], smoothed (Gaussian, σ of one sample) and contoured at zero by
-/// marching squares; points are three quarters of a sample apart.
+/// Where no margin is given that of cutout() is wider if thin parts would need more vertices than are wished.
+///
+/// The image is worked on at 512 to 1024 samples a side, or with its margin at twice that at most (at more
+/// where the wish for vertices needs it), by block maxima, so that no art is lost. Art is grown by margin +
+/// rounding and taken back by the rounding, with exact distances [Felzenszwalb12], smoothed (Gaussian, σ of
+/// one sample) and contoured at zero by marching squares; points are three quarters of a sample apart.
 ///
 /// \throw std::invalid_argument an empty or too large image, numbers outside of 0 to 1, no art, options out
 /// of range
@@ -96,8 +103,9 @@ struct Cutout {
   /// Whether there are as many vertices as wished, within a quarter; true if an edge was given.
   bool reached;
 
-  /// What a person who made the wish should know, a sentence each: that more vertices were needed, that
-  /// islands were dropped. Empty if there is nothing.
+  /// What a person who made the wish should know, a sentence each: how many vertices the drawing needs at
+  /// least, with the options as they are but for the wish, that islands were dropped. Empty if there is
+  /// nothing.
   std::vector<std::string> said;
 };
 
@@ -106,8 +114,12 @@ struct Cutout {
 ///
 /// The outline becomes a polygon that stays in a band along it, with edges as long as this allows. Edges are
 /// shorter where the art is thin (1.1 times the distance to the outline, on its medial axis) and grow by 0.35
-/// of the distance from there. Inside lie hexagonal lattices from coarse to fine, joined by constrained
-/// Delaunay triangulation and smoothed towards centroids weighted by area over squared size [Chen04].
+/// of the distance from there. Where they would need more vertices than are wished by over a quarter,
+/// Outline::edge is lengthened, and with it the margin where none is given, and the shortest edge: up to a
+/// quarter of the longer side of the art with its margin, or what a wish for 3 vertices comes to in a square
+/// of as much art. That is the least a drawing needs, the same for any wish. Inside lie hexagonal lattices
+/// from coarse to fine, joined by constrained Delaunay triangulation and smoothed towards centroids weighted
+/// by area over squared size [Chen04].
 ///
 /// \throw as outline()
 /// \throw SolveError the outline could not be triangulated

@@ -109,10 +109,16 @@ void require_options(const CutoutOptions& o) {
   if (!(o.finest >= 1.0 && o.finest <= 100.0)) refuse("finest", o.finest, "1 to 100");
 }
 
+double even_edge(double area, double vertices) {
+  // Of equilateral triangles there are two a vertex.
+  return std::sqrt(2.0 / std::sqrt(3.0) * area / vertices);
+}
+
 ArtMask art_mask(const AlphaImage& alpha, const CutoutOptions& options) {
   require_image_size("alpha", alpha.rows(), alpha.cols());
   const auto threshold = static_cast<float>(options.threshold);
   ArtMask result{};
+  Eigen::Index left = alpha.cols(), right = -1, bottom = -1, top = -1;
   for (Eigen::Index y = 0; y < alpha.rows(); ++y) {
     const float* row = alpha.data() + y * alpha.cols();
     int art = 0, wrong = 0;
@@ -122,18 +128,32 @@ ArtMask art_mask(const AlphaImage& alpha, const CutoutOptions& options) {
     }
     if (wrong > 0) throw std::invalid_argument(row_of("alpha", y) + "not a number from 0 to 1");
     result.pixels += art;
+    if (art == 0) continue;
+    if (bottom < 0) bottom = y;
+    top = y;
+    Eigen::Index x = 0;
+    while (x < left && !(row[x] > threshold)) ++x;
+    left = x;
+    x = alpha.cols() - 1;
+    while (x > right && !(row[x] > threshold)) --x;
+    right = x;
   }
   if (result.pixels == 0) {
     throw std::invalid_argument(
         "alpha: all of the image is transparent: no pixel is above the threshold of " +
         std::to_string(options.threshold));
   }
-  // Of equilateral triangles there are two a vertex.
-  const double area = 2.0 / std::sqrt(3.0) * static_cast<double>(result.pixels);
-  result.edge = options.edge.value_or(std::sqrt(area / options.vertices));
-  const double vertices = area / result.edge / result.edge;
+  result.side = static_cast<double>(std::max(right - left, top - bottom) + 1);
+  const auto pixels = static_cast<double>(result.pixels);
+  result.edge = options.edge.value_or(even_edge(pixels, options.vertices));
+  const double one = even_edge(pixels, 1.0) / result.edge;
+  const double vertices = one * one;
   require_vertices(vertices);
-  const Scale scale = working_scale(std::max(alpha.rows(), alpha.cols()), result.edge, vertices);
+  // A margin wider than half of the image needs no samples as fine as that.
+  const double around = 2.0 * std::max(options.margin.value_or(0.0), options.rounding.value_or(0.0));
+  const Eigen::Index size = std::max(alpha.rows(), alpha.cols());
+  const Eigen::Index longest = std::max(size, (size + static_cast<Eigen::Index>(around)) / 2);
+  const Scale scale = working_scale(longest, result.edge, vertices);
   result.sample = static_cast<double>(scale.shrink) / static_cast<double>(scale.enlarge);
   result.mask =
       scale.enlarge > 1 ? enlarged(alpha, threshold, scale.enlarge) : shrunk(alpha, threshold, scale.shrink);

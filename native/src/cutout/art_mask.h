@@ -20,8 +20,12 @@ struct ArtMask {
   Mask mask;            ///< without a border
   double sample;        ///< pixels a sample
   Eigen::Index pixels;  ///< of the image, that are art
+  double side;          ///< in pixels: the longer one of the art
   double edge;          ///< in pixels: length of edges that the wish comes to
 };
+
+/// The length of edges with which so many vertices are spread evenly over an area.
+double even_edge(double area, double vertices);
 
 /// \throw std::invalid_argument no image, or no art in it
 ArtMask art_mask(const AlphaImage& alpha, const CutoutOptions& options);

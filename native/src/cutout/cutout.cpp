@@ -9,6 +9,7 @@
 #include "cutout/delaunay.h"
 #include "cutout/interior.h"
 #include "cutout/outline_field.h"
+#include "cutout/plan.h"
 #include "cutout/size_field.h"
 #include "cutout/smoothing.h"
 #include "mesh/mesh.h"
@@ -16,13 +17,6 @@
 namespace planar {
 namespace {
 
-/// Shorter rings than so many margins are noise: a single sample's is of more than six.
-constexpr double least_ring = 3.0;
-/// Edges may get so much longer than evenly spread vertices would have them, so that thin parts may have more
-/// of these.
-constexpr double longest_edge = 2.0;
-/// Samples: shorter edges are steps of the samples.
-constexpr double shortest_edge = 1.5;
 /// Rounds in which gaps are filled; there are few left after the first.
 constexpr int gap_rounds = 3;
 /// Rounds of smoothing: with none the smallest angle is 13 degrees, with 4 it is 20.
@@ -31,7 +25,7 @@ constexpr int widenings = 3;
 constexpr int triangulations = 1 + gap_rounds + smoothings + widenings;  // at most
 /// Of the wish.
 constexpr double near_wish = 0.25, near_wish_at_once = 0.1;
-constexpr int attempts = 3;
+constexpr int attempts = 3, coarsenings = 3;
 
 class Progress {
  public:
@@ -43,15 +37,6 @@ class Progress {
  private:
   const std::function<bool(double)>& callback_;
 };
-
-/// Contours made even, in samples.
-std::vector<Points> rings_of(const OutlineField& field) {
-  std::vector<Points> rings;
-  for (const Points& contour : zero_contours(field.distance)) {
-    if (perimeter(contour) > least_ring * field.margin) rings.push_back(even_ring(contour, ring_step));
-  }
-  return rings;
-}
 
 Outline described(const OutlineField& field, const std::vector<Points>& rings) {
   Outline result{};
@@ -75,13 +60,16 @@ struct Filled {
   std::vector<int> rings;  ///< points of each
 };
 
+/// \param longest edge
 /// \param told is called before each triangulation
-Filled filled(const OutlineField& field, const std::vector<Points>& rings, const Band& band,
-              const SizeField& sizes, double shortest, double longest, const std::function<void()>& told) {
+Filled filled(const Plan& plan, double longest, const std::function<void()>& told) {
+  const OutlineField& field = plan.field;
+  SizeField sizes = plan.sizes;
+  sizes.limit(longest);
   Filled result;
   std::vector<Points> polygons;
-  for (const Points& ring : rings) {
-    polygons.push_back(boundary_polygon(ring, field.distance, sizes.size, band));
+  for (const Points& ring : plan.rings) {
+    polygons.push_back(boundary_polygon(ring, field.distance, sizes.size, plan.band));
     result.rings.push_back(static_cast<int>(polygons.back().rows()));
     result.mesh.fixed += polygons.back().rows();
   }
@@ -91,7 +79,7 @@ Filled filled(const OutlineField& field, const std::vector<Points>& rings, const
     boundary.middleRows(row, polygon.rows()) = polygon;
     row += polygon.rows();
   }
-  const Points inner = interior_points(boundary, field.distance, sizes.size, shortest, longest);
+  const Points inner = interior_points(boundary, field.distance, sizes.size, plan.shortest, longest);
   PlanarMesh& mesh = result.mesh;
   mesh.points.resize(boundary.rows() + inner.rows(), 2);
   mesh.points << boundary, inner;
@@ -134,6 +122,36 @@ void keep_used(PlanarMesh& mesh) {
     mesh.triangles.data()[i] = row[at(mesh.triangles.data()[i])];
 }
 
+struct Attempt {
+  Filled filled;
+  double edge = 0.0;  ///< its longest
+};
+
+/// The mesh of a plan that is nearest to the wish.
+///
+/// \param told is called with the part that is done of what is left
+Attempt attempted(const Plan& plan, const CutoutOptions& options, const std::function<void(double)>& told) {
+  const double wished = options.vertices;
+  Attempt best;
+  double edge = plan.longest, wish = wished, off = 0.0;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    if (!options.edge) edge = plan.sizes.edge_for(wish);
+    require_vertices(plan.sizes.vertices_for(edge));
+    Filled now = filled(plan, edge, [&] { told(0.5 / triangulations); });
+    const auto n = static_cast<double>(now.mesh.points.rows());
+    if (attempt == 0 || std::abs(std::log(n / wished)) < std::abs(off)) {
+      off = std::log(n / wished);
+      best = {std::move(now), edge};
+    }
+    const bool bound =
+        (n > wished && edge >= 0.999 * plan.longest) || (n < wished && edge <= 1.001 * plan.shortest);
+    if (options.edge || bound || std::abs(n / wished - 1.0) <= near_wish_at_once) break;
+    wish *= wished / n;
+  }
+  keep_used(best.filled.mesh);
+  return best;
+}
+
 std::string count_of(Eigen::Index n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
@@ -157,60 +175,49 @@ Cutout cutout(const AlphaImage& alpha, const CutoutOptions& options) {
   require_options(options);
   const Progress progress(options.progress);
   progress.at(0.0);
-  const ArtMask art = art_mask(alpha, options);
-  progress.at(0.1);
-  const OutlineField field = outline_field(art, options, longest_edge);
-  progress.at(0.3);
-  const std::vector<Points> rings = rings_of(field);
-  const Band band(field);
-  const double shortest = std::max(shortest_edge, field.edge / options.finest);
-  const double longest = std::max(shortest, options.edge ? field.edge : longest_edge * field.edge);
-  SizeField sizes(field, rings, band, shortest, longest);
-  progress.at(0.5);
+  // How many rounds there are is not known: each has a part of what is left.
+  double share = 0.0;
+  const auto told = [&](double part) { progress.at(share += part * (1.0 - share)); };
+  Planner planner(alpha, options, [&] { told(0.1); });
+  Plan plan = planner.of_wish();
 
   Cutout result{};
-  result.outline = described(field, rings);
-  const double wished = options.vertices;
-  Filled best;
-  double edge = longest, wish = wished, off = 0.0, share = 0.5;
-  for (int attempt = 0; attempt < attempts; ++attempt) {
-    SizeField limited = sizes;
-    if (!options.edge) edge = sizes.edge_for(wish);
-    limited.limit(edge);
-    require_vertices(sizes.vertices_for(edge));
-    // Most drawings need one attempt: the next one has half of what is left.
-    const auto told = [&, step = 0.5 * (1.0 - share) / triangulations] { progress.at(share += step); };
-    Filled now = filled(field, rings, band, limited, shortest, edge, told);
-    const auto n = static_cast<double>(now.mesh.points.rows());
-    if (attempt == 0 || std::abs(std::log(n / wished)) < std::abs(off)) {
-      off = std::log(n / wished);
-      best = std::move(now);
-      result.edge = edge * field.sample;
-    }
-    const bool bound = (n > wished && edge >= 0.999 * longest) || (n < wished && edge <= 1.001 * shortest);
-    if (options.edge || bound || std::abs(n / wished - 1.0) <= near_wish_at_once) break;
-    wish *= wished / n;
+  const double wished = options.vertices, most = (1.0 + near_wish) * wished;
+  Attempt best;
+  double target = wished;
+  for (int i = 0; i < coarsenings; ++i) {
+    if (!options.edge && plan.least() > (i == 0 ? most : target) && !planner.is_coarsest(plan))
+      plan = planner.enough_for(target, plan);
+    best = attempted(plan, options, told);
+    const auto n = static_cast<double>(best.filled.mesh.points.rows());
+    if (options.edge || n <= most || planner.is_coarsest(plan)) break;
+    target = i + 2 < coarsenings ? std::min(target * wished / n, 0.95 * plan.least()) : 0.0;  // the coarsest
   }
-  keep_used(best.mesh);
 
-  const auto n = best.mesh.points.rows();
-  result.points = field.to_pixels(best.mesh.points);
-  result.triangles = best.mesh.triangles;
+  const OutlineField& field = plan.field;
+  const PlanarMesh& made = best.filled.mesh;
+  result.outline = described(field, plan.rings);
+  result.edge = best.edge * field.sample;
+  const auto n = made.points.rows();
+  result.points = field.to_pixels(made.points);
+  result.triangles = made.triangles;
   const Mesh mesh(n, result.triangles);
   result.parts = Eigen::Map<const Eigen::VectorXi>(mesh.part.data(), n);
   result.n_parts = mesh.n_parts;
   int first = 0;
-  for (const int size : best.rings) {
+  for (const int size : best.filled.rings) {
     result.rings.push_back(Eigen::VectorXi::LinSpaced(size, first, first + size - 1));
     first += size;
   }
-  result.shortest = shortest * field.sample;
+  result.shortest = plan.shortest * field.sample;
   const double ratio = static_cast<double>(n) / wished;
   result.reached = options.edge || (ratio <= 1.0 + near_wish && ratio >= 1.0 - near_wish);
   if (!result.reached) {
-    result.said.push_back(ratio > 1.0 ? "This drawing needs at least " + std::to_string(n) +
-                                            " vertices; with a larger margin fewer."
-                                      : "This drawing has room for " + std::to_string(n) + " vertices.");
+    const std::string all = std::to_string(n) + " vertices";
+    // A margin that was given holds edges short in thin parts, until it is that of the coarsest edge.
+    const char* less = planner.margin_holds(plan) ? "; with a larger margin fewer." : ".";
+    result.said.push_back(ratio > 1.0 ? "This drawing needs at least " + all + less
+                                      : "This drawing has room for " + all + ".");
   }
   if (field.dropped_islands > 0) {
     result.said.push_back(

@@ -12,7 +12,6 @@ namespace {
 
 /// Samples; what smoothing and chords take of it keeps every sample of the art inside.
 constexpr double least_margin = 2.0;
-constexpr double margin_of_edge = 0.1;
 /// Of the art, and of the square of an edge: islands below both are specks.
 constexpr double speck_share = 3e-4, speck_of_edge = 0.25;
 /// Distances are smoothed so far from the outline.

@@ -7,6 +7,9 @@
 
 namespace planar {
 
+/// The margin where none is given.
+constexpr double margin_of_edge = 0.1;
+
 /// What the outline's place is made from. All lengths are in samples.
 struct OutlineField {
   /// Signed distance to the outline, positive inside, exact near it and up to `reach`; with a border in which

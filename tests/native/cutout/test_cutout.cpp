@@ -109,6 +109,75 @@ TEST(Cutout, SaysWhenTheWishCannotBe) {
             std::string::npos);
 }
 
+TEST(Cutout, HasAsManyVerticesAsWishedWithAnyMargin) {
+  for (const double margin : {2.0, 20.0, 50.0, 100.0, 200.0, 1000.0, 16384.0}) {
+    SCOPED_TRACE(margin);
+    CutoutOptions options;
+    options.margin = margin;
+    const Cutout found = cutout(figure(72), options);
+    EXPECT_NEAR(static_cast<double>(found.points.rows()), 1500.0, 375.0);
+    EXPECT_TRUE(found.reached);
+    EXPECT_TRUE(found.said.empty());
+    EXPECT_EQ(lost_pixels(figure(72), polygons(found), 0.5), 0);
+    expect_a_mesh(found);
+  }
+}
+
+/// A disc with eight legs as thick as a hair.
+AlphaImage star(int size) {
+  return drawn(size, size, [size](double x, double y) {
+    x -= 0.5 * size;
+    y -= 0.5 * size;
+    if (std::hypot(x, y) < 0.15 * size) return true;
+    for (int leg = 0; leg < 8; ++leg) {
+      const double angle = 0.2 + leg * 0.785398163, along = x * std::cos(angle) + y * std::sin(angle);
+      if (along > 0.0 && along < 0.47 * size && std::abs(y * std::cos(angle) - x * std::sin(angle)) < 0.7)
+        return true;
+    }
+    return false;
+  });
+}
+
+TEST(Cutout, ThinPartsNeedTheSameForAnyWish) {
+  const AlphaImage alpha = star(600);
+  for (const double margin : {0.0, 2.0, 5.0}) {
+    SCOPED_TRACE(margin);
+    CutoutOptions options;
+    if (margin > 0.0) options.margin = margin;
+    std::set<std::string> said;
+    for (const int wish : {3, 10, 50, 100, 160}) {
+      options.vertices = wish;
+      const Cutout found = cutout(alpha, options);
+      ASSERT_EQ(found.said.size(), 1u);
+      EXPECT_EQ(found.said[0], "This drawing needs at least " + std::to_string(found.points.rows()) +
+                                   (margin > 0.0 ? " vertices; with a larger margin fewer." : " vertices."));
+      said.insert(found.said[0]);
+      EXPECT_GT(smallest_angle(found.points, found.triangles), 19.0);
+      EXPECT_EQ(lost_pixels(alpha, polygons(found), 0.5), 0);
+    }
+    EXPECT_EQ(said.size(), 1u);
+  }
+}
+
+TEST(Cutout, VerticesGrowWithTheWish) {
+  const AlphaImage alpha = star(600);
+  double least = 0.0, before = 0.0;
+  for (const int wish : {10, 50, 100, 200, 400, 800, 1200, 1500, 3000}) {
+    SCOPED_TRACE(wish);
+    CutoutOptions options;
+    options.vertices = wish;
+    const Cutout found = cutout(alpha, options);
+    const auto n = static_cast<double>(found.points.rows());
+    if (least == 0.0) least = n;
+    EXPECT_LT(least, 250.0);  // two rows along eight legs: 528 with the edge that a wish for 10 comes to
+    EXPECT_NEAR(n, std::max<double>(wish, least), 0.25 * std::max<double>(wish, least));
+    EXPECT_GT(n, 0.97 * before);
+    EXPECT_EQ(found.n_parts, 1);
+    expect_a_mesh(found);
+    before = n;
+  }
+}
+
 TEST(Cutout, EdgesAreAsLongAsGiven) {
   CutoutOptions options;
   for (const double edge : {12.0, 30.0}) {
