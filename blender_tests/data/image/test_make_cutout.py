@@ -162,6 +162,69 @@ def test_the_uv_map_that_the_texture_uses_counts():
     assert covered(obj, letter().shape)[letter()].all()
 
 
+def test_the_material_that_the_faces_have_counts():
+    """Not that of the active slot, which a click in the list chooses."""
+    obj = image_plane(new_image(blobs((40, 60))), name="First")
+    other = image_plane(new_image(letter()), name="Second")
+    obj.data.materials.append(other.active_material)
+    obj.data.polygons[0].material_index, obj.active_material_index = 1, 0
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+    assert {face.material_index for face in obj.data.polygons} == {1}
+    assert obj.data.materials.keys() == ["First", "Second"]
+
+
+def test_faces_that_show_no_image_or_several_are_refused():
+    obj = image_plane(new_image(letter()))
+    obj.data.materials.append(bpy.data.materials.new("Plain"))
+    obj.data.polygons[0].material_index, obj.active_material_index = 1, 0
+    with pytest.raises(RuntimeError, match="'Plane' shows no image: give its material an Image Texture"):
+        make(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj.data.polygons[2].material_index = 0
+    with pytest.raises(RuntimeError, match="A face of 'Plane' shows no image"):
+        make(obj)
+    obj.data.materials[1] = image_plane(new_image(letter()), name="Other").active_material
+    with pytest.raises(RuntimeError, match="The faces of 'Plane' have several materials: separate them"):
+        make(obj)
+    assert len(obj.data.polygons) == 4
+
+
+def test_a_texture_that_leads_nowhere_does_not_hide_the_one_that_is_shown():
+    obj = image_plane(new_image(letter()))
+    tree = obj.active_material.node_tree
+    stray = tree.nodes.new("ShaderNodeTexImage")
+    stray.image, tree.nodes.active = new_image(blobs((40, 60)), name="Stray"), stray
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+
+
+def test_a_texture_behind_other_nodes_is_found():
+    obj = image_plane(new_image(letter()))
+    tree = obj.active_material.node_tree
+    shown, shader = tree.nodes["Image Texture"], tree.nodes["Principled BSDF"]
+    invert, bend = tree.nodes.new("ShaderNodeInvert"), tree.nodes.new("NodeReroute")
+    tree.links.new(shown.outputs["Color"], invert.inputs["Color"])
+    tree.links.new(invert.outputs["Color"], bend.inputs[0])
+    tree.links.new(bend.outputs[0], shader.inputs["Base Color"])
+    stray = tree.nodes.new("ShaderNodeTexImage")
+    stray.image, tree.nodes.active = new_image(blobs((40, 60)), name="Stray"), stray
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+
+
+def test_where_no_texture_is_linked_the_active_one_counts():
+    obj = image_plane(new_image(blobs((40, 60))))
+    tree = obj.active_material.node_tree
+    tree.links.clear()
+    chosen = tree.nodes.new("ShaderNodeTexImage")
+    chosen.image, tree.nodes.active = new_image(letter(), name="Chosen"), chosen
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+
+
 def test_the_margin_shows_nothing_of_a_texture_that_repeats():
     obj = image_plane(new_image(np.ones((40, 40), bool) & ~blobs((20, 20), size=(40, 40), radius=8)))
     make(obj)
