@@ -89,7 +89,10 @@ class Cutting(CuttingSettings, LongOperator):
         for obj in objects[1:]:
             obj.select_set(True)
         what = f"{len(objects)} cutouts" if len(objects) > 1 else f"'{objects[0].name}'"
-        return "; ".join([f"{what}: {count} vertices", *(said for made in found for said in made.said)])
+        told = [said for made in found for said in made.said]
+        if join and self.separate_islands:
+            told.append("islands are not separated where files become parts of one object")
+        return "; ".join([f"{what}: {count} vertices", *told])
 
 
 class FromFiles(Cutting):

@@ -153,6 +153,17 @@ def test_islands_can_be_objects(tmp_path):
     assert largest.matrix_world == other.matrix_world
 
 
+def test_parts_keep_their_islands_together_which_is_told(tmp_path, capfd):
+    paths = [
+        save(tmp_path, f"{name}.png", blobs((20, 60), (60, 60), radius=10)) for name in ("eyes", "ears")
+    ]
+    cutout(*paths, layers="PARTS", separate_islands=True)
+    assert len(bpy.data.objects) == 1
+    assert "islands are not separated where files become parts" in capfd.readouterr().out
+    cutout(*paths, layers="PARTS")
+    assert "islands" not in capfd.readouterr().out
+
+
 def test_several_files_are_layers_in_front_of_each_other_in_their_order(tmp_path):
     paths = [save(tmp_path, f"{name}.png", letter()) for name in ("legs", "body", "arm")]
     cutout(*paths, offset=0.02)

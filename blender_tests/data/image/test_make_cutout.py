@@ -257,6 +257,19 @@ def test_several_planes_at_once_and_their_islands(tmp_path):
     assert bpy.context.object == first
 
 
+def test_islands_are_in_all_collections_of_the_plane():
+    obj = image_plane(new_image(blobs((20, 60), (60, 60), radius=10)))
+    names = {collection.name for collection in obj.users_collection}
+    for name in ("Characters", "Render"):
+        collection = bpy.data.collections.new(name)
+        bpy.context.scene.collection.children.link(collection)
+        collection.objects.link(obj)
+    make(obj, separate_islands=True)
+    for island in bpy.data.objects:
+        assert {found.name for found in island.users_collection} == names | {"Characters", "Render"}
+    assert len(bpy.data.objects) == 2
+
+
 def test_an_image_plane_of_a_sequence(tmp_path):
     for number, place in enumerate([(20, 40), (60, 80)], start=1):
         save(tmp_path, f"run{number}.png", blobs(place))

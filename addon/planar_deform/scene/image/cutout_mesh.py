@@ -34,6 +34,9 @@ def swap(plane: ImagePlane, drawing: Drawing, *, separate: bool = False) -> list
         island.data = mesh
         mesh.name = island.name
         link_beside(bpy.context, obj, island)
+        for collection in obj.users_collection:
+            if collection.library is None and island.name not in collection.objects:
+                collection.objects.link(island)
         objects.append(island)
     _show_no_more_than_the_image(plane.texture, drawing)
     return objects
