@@ -154,9 +154,7 @@ def test_islands_can_be_objects(tmp_path):
 
 
 def test_parts_keep_their_islands_together_which_is_told(tmp_path, capfd):
-    paths = [
-        save(tmp_path, f"{name}.png", blobs((20, 60), (60, 60), radius=10)) for name in ("eyes", "ears")
-    ]
+    paths = [save(tmp_path, f"{name}.png", blobs((20, 60), (60, 60), radius=10)) for name in ("eyes", "ears")]
     cutout(*paths, layers="PARTS", separate_islands=True)
     assert len(bpy.data.objects) == 1
     assert "islands are not separated where files become parts" in capfd.readouterr().out

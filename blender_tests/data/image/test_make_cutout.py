@@ -358,8 +358,8 @@ NOT_PLANES = {
     "no UV map": (_no_map, "has no UV map: unwrap it"),
     "no image": (_no_image, "shows no image: give its material an Image Texture"),
     "mapped by a node": (_mapped, "laid on by the node 'Mapping': disconnect it"),
-    "pins": (_pinned, "has pins, shape keys or vertex groups: Remesh keeps them"),
-    "shape keys": (_keyed, "has pins, shape keys or vertex groups: Remesh keeps them"),
+    "pins": (_pinned, "has pins, .*: use Object > Planar > Cutout > Remesh Cutout, which"),
+    "shape keys": (_keyed, "has pins, .*: use Object > Planar > Cutout > Remesh Cutout, which"),
 }
 
 
@@ -374,6 +374,20 @@ def test_what_is_no_image_plane_is_told_with_a_remedy_and_stays(kind):
         make(good, obj)
     assert blocks() == before
     assert len(obj.data.polygons) == len(good.data.polygons) == 1
+
+
+def test_a_pinned_plane_is_cut_out_by_the_operator_that_the_refusal_names(tmp_path):
+    obj = plane(tmp_path)
+    place, corner = obj.location.copy(), obj.matrix_world @ obj.data.vertices[0].co
+    add_pins(obj, [0])
+    with pytest.raises(RuntimeError, match="Object > Planar > Cutout > Remesh Cutout"):
+        make(obj)
+    assert bpy.ops.planar.remesh(vertices=300) == {"FINISHED"}
+    assert covered(obj, letter().shape)[letter()].all()
+    assert np.count_nonzero(covered(obj, letter().shape)) < 1.6 * np.count_nonzero(letter())
+    assert (obj.location, len(obj.planar.pins)) == (place, 1)
+    assert min((obj.matrix_world @ vertex.co - corner).length for vertex in obj.data.vertices) < 0.03
+    assert bpy.ops.planar.drag_pins(offset=(0.02, 0.0)) == {"FINISHED"}
 
 
 def test_a_result_of_rendering_is_refused():

@@ -87,7 +87,9 @@ def read(obj: bpy.types.Object, sizes: Mapping[bpy.types.Image, tuple[int, int]]
 def _texture(obj: bpy.types.Object) -> tuple[int, bpy.types.ShaderNodeTexImage]:
     """The slot that the faces have, and in its material the node of the image that is shown."""
     numbers, _ = face_settings(obj.data)
-    slots = np.unique(np.clip(numbers, 0, max(len(obj.material_slots) - 1, 0))).tolist()  # as Blender shows them
+    slots = np.unique(
+        np.clip(numbers, 0, max(len(obj.material_slots) - 1, 0))
+    ).tolist()  # as Blender shows them
     nodes = [texture_in(obj, slot) for slot in slots]
     if None in nodes:
         which = "A face of " if len(nodes) > 1 else ""
