@@ -301,8 +301,8 @@ def _plane_refusal(obj: bpy.types.Object) -> str | None:
     reason = image_plane.refusal(obj)
     if reason is None and (pin_list.has_pins(obj) or obj.data.shape_keys is not None or obj.vertex_groups):
         return (
-            f"'{obj.name}' has pins, shape keys or vertex groups: use Object > Planar > Cutout > Remesh Cutout, "
-            "which keeps them"
+            f"'{obj.name}' has pins, shape keys or vertex groups: use Object > Planar > Cutout > Remesh "
+            "Cutout, which keeps them"
         )
     return reason
 

@@ -89,6 +89,13 @@ def test_without_an_alpha_a_plain_border_is_cut_away(tmp_path):
     assert np.count_nonzero(shown) < 0.6 * letter().size
 
 
+def test_an_alpha_that_is_opaque_everywhere_is_told_as_that(tmp_path, capfd):
+    cutout(save(tmp_path, "export.png", letter(), ground=(1.0, 1.0, 1.0)))
+    assert "'export.png': it is opaque: cut out by the colour of its border" in capfd.readouterr().out
+    cutout(save(tmp_path, "scan.jpg", letter(), ground=(1.0, 1.0, 1.0)))
+    assert "'scan.jpg': it has no alpha: cut out by the colour of its border" in capfd.readouterr().out
+
+
 def test_a_photograph_becomes_its_rectangle(tmp_path):
     image = new_image(letter())
     image.pixels.foreach_set(np.random.default_rng(0).uniform(0, 1, (120, 80, 4)).astype(np.float32).ravel())

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from ... import native
 from ...errors import Refusal
-from ...model.image.art import Art, art_of, united
+from ...model.image.art import Art, united
 from ...model.image.cutting import Drawing, NoArt, Settings, cut
 from ...model.work import Progress, Work
 from . import reading
@@ -86,7 +86,7 @@ def _art(plane: ImagePlane, loaded: bool) -> Generator[float, None, Art]:
 
 
 def _art_of(frame: reading.Frame, _progress: Progress) -> Art:
-    return art_of(frame.pixels, uses_alpha=frame.uses_alpha)
+    return frame.art()
 
 
 def _solved(solve: Callable[[Progress], Result]) -> Generator[float, None, Result]:

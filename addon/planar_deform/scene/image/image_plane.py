@@ -99,7 +99,8 @@ def _texture(obj: bpy.types.Object) -> tuple[int, bpy.types.ShaderNodeTexImage]:
         )
     if len(nodes) > 1:
         raise Refusal(
-            f"The faces of '{obj.name}' have several materials: separate them in Edit Mode with P > By Material"
+            f"The faces of '{obj.name}' have several materials: separate them in Edit Mode with P > By "
+            "Material"
         )
     return slots[0], nodes[0]
 
