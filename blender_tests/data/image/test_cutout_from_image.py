@@ -329,6 +329,21 @@ def test_a_file_that_cannot_be_cut_out_says_why_and_leaves_nothing_behind(kind, 
     assert list(bpy.context.selected_objects) == [mine]
 
 
+def test_every_bad_file_is_named(tmp_path, drawing):
+    bad = [make(tmp_path) for make in (_unreadable, _empty, _folder)]
+    before = blocks()
+    with pytest.raises(RuntimeError) as told:
+        cutout(bad[0], drawing, *bad[1:])
+    assert all(path.name in str(told.value) for path in bad)
+    assert "hero.png" not in str(told.value)
+    clear = [save(tmp_path, f"{name}.png", letter() & False) for name in ("clear", "blank")]
+    with pytest.raises(RuntimeError) as told:
+        cutout(clear[0], drawing, clear[1])
+    assert all(f"'{path.name}' cannot be cut out" in str(told.value) for path in clear)
+    assert "hero.png" not in str(told.value)
+    assert blocks() == before
+
+
 def test_a_file_without_permission_is_told(drawing, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, mode: False)
     with pytest.raises(RuntimeError, match=r"hero.png cannot be read: give yourself the permission"):

@@ -28,8 +28,8 @@ class Art:
 def art_of(pixels: Array32, *, uses_alpha: bool = True, has_alpha: bool = True) -> Art:
     """The art of an image of h x w x channels pixels, rows from the bottom. Takes no Blender data.
 
-    Not `uses_alpha`: the image is shown as if it were opaque. Not `has_alpha`: the last of four channels has been
-    filled in.
+    Not `uses_alpha`: the image is shown as if it were opaque. Not `has_alpha`: Blender has filled in
+    the last of four channels.
     """
     height, width, channels = pixels.shape
     if channels == 4 and uses_alpha:

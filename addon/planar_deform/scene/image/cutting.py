@@ -9,7 +9,7 @@ from functools import partial
 from typing import TypeVar
 
 from ... import native
-from ...errors import Refusal
+from ...errors import Refusal, Refusals
 from ...model.image.art import Art, united
 from ...model.image.cutting import Drawing, NoArt, Settings, cut
 from ...model.work import Progress, Work
@@ -39,9 +39,11 @@ def cuts(
 
     Raises Refusal and ObjectGone.
     """
-    found = []
+    found, refused = [], Refusals()
     for number, plane in enumerate(planes):
-        found.append((yield from among(_cut(plane, settings, loaded), number, len(planes))))
+        with refused.noting():
+            found.append((yield from among(_cut(plane, settings, loaded), number, len(planes))))
+    refused.tell()
     return found
 
 
