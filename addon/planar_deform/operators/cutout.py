@@ -74,6 +74,7 @@ class Cutting(CuttingSettings, LongOperator):
         """Put the cutouts where the planes are; what is to be told."""
         for made in found:
             _ = made.plane.texture  # raises ObjectGone, with nothing changed
+        lost = [said for made in found if (said := cutout_mesh.lost(made.plane)) is not None]
         if context.window is not None:
             preview.show(context, found, type(self).__name__)
             show_textures(context.window)
@@ -89,7 +90,7 @@ class Cutting(CuttingSettings, LongOperator):
         for obj in objects[1:]:
             obj.select_set(True)
         what = f"{len(objects)} cutouts" if len(objects) > 1 else f"'{objects[0].name}'"
-        told = [said for made in found for said in made.said]
+        told = [said for made in found for said in made.said] + lost
         if join and self.separate_islands:
             told.append("islands are not separated where files become parts of one object")
         return "; ".join([f"{what}: {count} vertices", *told])

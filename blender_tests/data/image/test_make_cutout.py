@@ -225,6 +225,33 @@ def test_where_no_texture_is_linked_the_active_one_counts():
     assert covered(obj, letter().shape)[letter()].all()
 
 
+def test_attributes_and_custom_properties_stay_where_they_can(capfd):
+    obj = image_plane(new_image(letter()), TURNS["turned"])
+    mesh = obj.data
+    mesh["layer"] = "arm"
+    places = np.array([vertex.co for vertex in mesh.vertices])
+    low, size = places.min(axis=0), np.ptp(places, axis=0)
+    for domain, kind, rows in (("POINT", "FLOAT_COLOR", places), ("CORNER", "FLOAT_COLOR", places)):
+        colours = np.insert(((rows - low) / np.maximum(size, 1e-9)), 3, 1.0, axis=1).astype(np.float32)
+        mesh.attributes.new(f"Colour {domain}", kind, domain).data.foreach_set("color", colours.ravel())
+    mesh.attributes.new("Number", "INT", "FACE").data[0].value = 7
+    mesh.attributes.new("Thread", "FLOAT", "EDGE")
+    mesh.color_attributes.active_color_name = "Colour CORNER"
+    make(obj)
+    mesh = obj.data
+    assert mesh["layer"] == "arm"
+    assert mesh.color_attributes.active_color_name == "Colour CORNER"
+    places = np.array([vertex.co for vertex in mesh.vertices])
+    corners = np.array([loop.vertex_index for loop in mesh.loops])
+    for domain, rows in (("POINT", places), ("CORNER", places[corners])):
+        colours = np.array([item.color for item in mesh.attributes[f"Colour {domain}"].data])
+        assert (
+            np.abs(colours[:, :2] - np.clip((rows - low) / np.maximum(size, 1e-9), 0, 1)[:, :2]).max() < 1e-3
+        )
+    assert {item.value for item in mesh.attributes["Number"].data} == {7}
+    assert "'Plane': without its attributes Thread" in capfd.readouterr().out
+
+
 def test_the_margin_shows_nothing_of_a_texture_that_repeats():
     obj = image_plane(new_image(np.ones((40, 40), bool) & ~blobs((20, 20), size=(40, 40), radius=8)))
     make(obj)
