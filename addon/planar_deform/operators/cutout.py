@@ -75,15 +75,16 @@ class Cutting(CuttingSettings, LongOperator):
         for made in found:
             _ = made.plane.texture  # raises ObjectGone, with nothing changed
         lost = [said for made in found if (said := cutout_mesh.lost(made.plane)) is not None]
-        if context.window is not None:
-            preview.show(context, found, type(self).__name__)
-            show_textures(context.window)
+        shown = preview.of(found, type(self).__name__)
         objects = []
         for made in found:
             objects += cutout_mesh.swap(made.plane, made.drawing, separate=self.separate_islands and not join)
         count = sum(len(made.drawing.points) for made in found)
         if join and len(objects) > 1:
             objects = [cutout_mesh.joined(context, objects)]
+        if context.window is not None:
+            preview.show(shown, objects)
+            show_textures(context.window)
         for obj in objects:
             file_state.remember(obj)
         select_alone(context, objects[0])
@@ -175,6 +176,7 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
         return len(self._paths()) > 1
 
     def job(self, context: bpy.types.Context) -> Job:
+        preview.forget()
         paths = self._paths()
         if not paths:
             raise Refusal("Which images? Choose some files")
@@ -269,6 +271,7 @@ class PLANAR_OT_make_cutout(Cutting, bpy.types.Operator):
         return next(filter(None, map(_plane_refusal, context.selected_objects)), None)
 
     def job(self, context: bpy.types.Context) -> Job:
+        preview.forget()
         active = context.view_layer.objects.active
         objects = sorted(context.selected_objects, key=lambda obj: (obj != active, obj.name))
         planes = [image_plane.read(obj) for obj in objects]

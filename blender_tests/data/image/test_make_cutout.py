@@ -454,6 +454,37 @@ def test_a_linked_object_is_refused(tmp_path):
         make(obj)
 
 
+@pytest.fixture
+def shown(monkeypatch):
+    """The preview as a window would draw it, in which the operator has been the last one."""
+    from planar_deform.scene.image import preview
+
+    layer = bpy.context.view_layer
+    done = SimpleNamespace(operators=[SimpleNamespace(bl_idname="PLANAR_OT_make_cutout")])
+    yield lambda: preview.now(SimpleNamespace(window_manager=done, view_layer=layer))
+    preview.forget()
+
+
+@pytest.mark.skipif(not bpy.context.window, reason="nothing is shown without a window")
+def test_the_preview_goes_with_its_object_and_with_a_refusal(shown):
+    for vanish in (bpy.data.objects.remove, _back_to_a_quad, _refused):
+        obj = image_plane(new_image(letter()))
+        make(obj)
+        assert shown() is not None
+        vanish(obj)
+        assert shown() is None, vanish
+
+
+def _back_to_a_quad(obj):
+    obj.data = image_plane(new_image(letter()), name="Quad").data
+
+
+def _refused(obj):
+    with pytest.raises(RuntimeError, match="cannot be cut out"):
+        make(image_plane(new_image(letter() & False), name="Clear"))
+    assert len(obj.data.polygons) > 1
+
+
 def test_undo(tmp_path):
     obj = plane(tmp_path)
     bpy.ops.ed.undo_push(message="Start")

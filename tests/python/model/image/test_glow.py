@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+
 from planar_deform.model.image.cutting import Settings, cut
 from planar_deform.model.image.glow import share_cut_off
 
