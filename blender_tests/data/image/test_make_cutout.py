@@ -465,7 +465,6 @@ def shown(monkeypatch):
     preview.forget()
 
 
-@pytest.mark.skipif(not bpy.context.window, reason="nothing is shown without a window")
 def test_the_preview_goes_with_its_object_and_with_a_refusal(shown):
     for vanish in (bpy.data.objects.remove, _back_to_a_quad, _refused):
         obj = image_plane(new_image(letter()))
