@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 
 
 class Refusal(Exception):  # noqa: N818 - a word users and operators both read
@@ -12,6 +13,26 @@ class Refusal(Exception):  # noqa: N818 - a word users and operators both read
 
 class ObjectGone(Exception):  # noqa: N818
     """The object or mesh a posing began with has been deleted, replaced or edited meanwhile."""
+
+
+class Refusals:
+    """Those of several things, told together."""
+
+    def __init__(self) -> None:
+        self._reasons: list[str] = []
+
+    @contextmanager
+    def noting(self) -> Iterator[None]:
+        """A refusal of one of them ends this one alone."""
+        try:
+            yield
+        except Refusal as refusal:
+            self._reasons.append(str(refusal))
+
+    def tell(self) -> None:
+        """Raises Refusal, with every reason once, where there are any."""
+        if self._reasons:
+            raise Refusal("; ".join(dict.fromkeys(self._reasons)))
 
 
 def try_all(steps: Iterable[Callable[[], object]]) -> None:

@@ -74,22 +74,27 @@ class Cutting(CuttingSettings, LongOperator):
         """Put the cutouts where the planes are; what is to be told."""
         for made in found:
             _ = made.plane.texture  # raises ObjectGone, with nothing changed
-        if context.window is not None:
-            preview.show(context, found, type(self).__name__)
-            show_textures(context.window)
+        lost = [said for made in found if (said := cutout_mesh.lost(made.plane)) is not None]
+        shown = preview.of(found, type(self).__name__)
         objects = []
         for made in found:
             objects += cutout_mesh.swap(made.plane, made.drawing, separate=self.separate_islands and not join)
         count = sum(len(made.drawing.points) for made in found)
         if join and len(objects) > 1:
             objects = [cutout_mesh.joined(context, objects)]
+        if context.window is not None:
+            preview.show(shown, objects)
+            show_textures(context.window)
         for obj in objects:
             file_state.remember(obj)
         select_alone(context, objects[0])
         for obj in objects[1:]:
             obj.select_set(True)
         what = f"{len(objects)} cutouts" if len(objects) > 1 else f"'{objects[0].name}'"
-        return "; ".join([f"{what}: {count} vertices", *(said for made in found for said in made.said)])
+        told = [said for made in found for said in made.said] + lost
+        if join and self.separate_islands:
+            told.append("islands are not separated where files become parts of one object")
+        return "; ".join([f"{what}: {count} vertices", *told])
 
 
 class FromFiles(Cutting):
@@ -171,6 +176,7 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
         return len(self._paths()) > 1
 
     def job(self, context: bpy.types.Context) -> Job:
+        preview.forget()
         paths = self._paths()
         if not paths:
             raise Refusal("Which images? Choose some files")
@@ -265,6 +271,7 @@ class PLANAR_OT_make_cutout(Cutting, bpy.types.Operator):
         return next(filter(None, map(_plane_refusal, context.selected_objects)), None)
 
     def job(self, context: bpy.types.Context) -> Job:
+        preview.forget()
         active = context.view_layer.objects.active
         objects = sorted(context.selected_objects, key=lambda obj: (obj != active, obj.name))
         planes = [image_plane.read(obj) for obj in objects]
@@ -297,7 +304,10 @@ def _plane_refusal(obj: bpy.types.Object) -> str | None:
     """At first sight, for polls."""
     reason = image_plane.refusal(obj)
     if reason is None and (pin_list.has_pins(obj) or obj.data.shape_keys is not None or obj.vertex_groups):
-        return f"'{obj.name}' has pins, shape keys or vertex groups: Remesh keeps them"
+        return (
+            f"'{obj.name}' has pins, shape keys or vertex groups: use Object > Planar > Cutout > Remesh "
+            "Cutout, which keeps them"
+        )
     return reason
 
 

@@ -89,6 +89,13 @@ def test_without_an_alpha_a_plain_border_is_cut_away(tmp_path):
     assert np.count_nonzero(shown) < 0.6 * letter().size
 
 
+def test_an_alpha_that_is_opaque_everywhere_is_told_as_that(tmp_path, capfd):
+    cutout(save(tmp_path, "export.png", letter(), ground=(1.0, 1.0, 1.0)))
+    assert "'export.png': it is opaque: cut out by the colour of its border" in capfd.readouterr().out
+    cutout(save(tmp_path, "scan.jpg", letter(), ground=(1.0, 1.0, 1.0)))
+    assert "'scan.jpg': it has no alpha: cut out by the colour of its border" in capfd.readouterr().out
+
+
 def test_a_photograph_becomes_its_rectangle(tmp_path):
     image = new_image(letter())
     image.pixels.foreach_set(np.random.default_rng(0).uniform(0, 1, (120, 80, 4)).astype(np.float32).ravel())
@@ -151,6 +158,15 @@ def test_islands_can_be_objects(tmp_path):
     assert np.ptp(corner_places(largest)[:, 0]) > np.ptp(corner_places(other)[:, 0])
     assert corner_places(largest)[:, 0].min() > corner_places(other)[:, 0].max()
     assert largest.matrix_world == other.matrix_world
+
+
+def test_parts_keep_their_islands_together_which_is_told(tmp_path, capfd):
+    paths = [save(tmp_path, f"{name}.png", blobs((20, 60), (60, 60), radius=10)) for name in ("eyes", "ears")]
+    cutout(*paths, layers="PARTS", separate_islands=True)
+    assert len(bpy.data.objects) == 1
+    assert "islands are not separated where files become parts" in capfd.readouterr().out
+    cutout(*paths, layers="PARTS")
+    assert "islands" not in capfd.readouterr().out
 
 
 def test_several_files_are_layers_in_front_of_each_other_in_their_order(tmp_path):
@@ -311,6 +327,21 @@ def test_a_file_that_cannot_be_cut_out_says_why_and_leaves_nothing_behind(kind, 
     assert blocks() == before
     assert bpy.context.object == mine
     assert list(bpy.context.selected_objects) == [mine]
+
+
+def test_every_bad_file_is_named(tmp_path, drawing):
+    bad = [make(tmp_path) for make in (_unreadable, _empty, _folder)]
+    before = blocks()
+    with pytest.raises(RuntimeError) as told:
+        cutout(bad[0], drawing, *bad[1:])
+    assert all(path.name in str(told.value) for path in bad)
+    assert "hero.png" not in str(told.value)
+    clear = [save(tmp_path, f"{name}.png", letter() & False) for name in ("clear", "blank")]
+    with pytest.raises(RuntimeError) as told:
+        cutout(clear[0], drawing, clear[1])
+    assert all(f"'{path.name}' cannot be cut out" in str(told.value) for path in clear)
+    assert "hero.png" not in str(told.value)
+    assert blocks() == before
 
 
 def test_a_file_without_permission_is_told(drawing, monkeypatch):

@@ -162,6 +162,96 @@ def test_the_uv_map_that_the_texture_uses_counts():
     assert covered(obj, letter().shape)[letter()].all()
 
 
+def test_the_material_that_the_faces_have_counts():
+    """Not that of the active slot, which a click in the list chooses."""
+    obj = image_plane(new_image(blobs((40, 60))), name="First")
+    other = image_plane(new_image(letter()), name="Second")
+    obj.data.materials.append(other.active_material)
+    obj.data.polygons[0].material_index, obj.active_material_index = 1, 0
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+    assert {face.material_index for face in obj.data.polygons} == {1}
+    assert obj.data.materials.keys() == ["First", "Second"]
+
+
+def test_faces_that_show_no_image_or_several_are_refused():
+    obj = image_plane(new_image(letter()))
+    obj.data.materials.append(bpy.data.materials.new("Plain"))
+    obj.data.polygons[0].material_index, obj.active_material_index = 1, 0
+    with pytest.raises(RuntimeError, match="'Plane' shows no image: give its material an Image Texture"):
+        make(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj.data.polygons[2].material_index = 0
+    with pytest.raises(RuntimeError, match="A face of 'Plane' shows no image"):
+        make(obj)
+    obj.data.materials[1] = image_plane(new_image(letter()), name="Other").active_material
+    with pytest.raises(RuntimeError, match="The faces of 'Plane' have several materials: separate them"):
+        make(obj)
+    assert len(obj.data.polygons) == 4
+
+
+def test_a_texture_that_leads_nowhere_does_not_hide_the_one_that_is_shown():
+    obj = image_plane(new_image(letter()))
+    tree = obj.active_material.node_tree
+    stray = tree.nodes.new("ShaderNodeTexImage")
+    stray.image, tree.nodes.active = new_image(blobs((40, 60)), name="Stray"), stray
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+
+
+def test_a_texture_behind_other_nodes_is_found():
+    obj = image_plane(new_image(letter()))
+    tree = obj.active_material.node_tree
+    shown, shader = tree.nodes["Image Texture"], tree.nodes["Principled BSDF"]
+    invert, bend = tree.nodes.new("ShaderNodeInvert"), tree.nodes.new("NodeReroute")
+    tree.links.new(shown.outputs["Color"], invert.inputs["Color"])
+    tree.links.new(invert.outputs["Color"], bend.inputs[0])
+    tree.links.new(bend.outputs[0], shader.inputs["Base Color"])
+    stray = tree.nodes.new("ShaderNodeTexImage")
+    stray.image, tree.nodes.active = new_image(blobs((40, 60)), name="Stray"), stray
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+
+
+def test_where_no_texture_is_linked_the_active_one_counts():
+    obj = image_plane(new_image(blobs((40, 60))))
+    tree = obj.active_material.node_tree
+    tree.links.clear()
+    chosen = tree.nodes.new("ShaderNodeTexImage")
+    chosen.image, tree.nodes.active = new_image(letter(), name="Chosen"), chosen
+    make(obj)
+    assert covered(obj, letter().shape)[letter()].all()
+
+
+def test_attributes_and_custom_properties_stay_where_they_can(capfd):
+    obj = image_plane(new_image(letter()), TURNS["turned"])
+    mesh = obj.data
+    mesh["layer"] = "arm"
+    places = np.array([vertex.co for vertex in mesh.vertices])
+    low, size = places.min(axis=0), np.ptp(places, axis=0)
+    for domain, kind, rows in (("POINT", "FLOAT_COLOR", places), ("CORNER", "FLOAT_COLOR", places)):
+        colours = np.insert(((rows - low) / np.maximum(size, 1e-9)), 3, 1.0, axis=1).astype(np.float32)
+        mesh.attributes.new(f"Colour {domain}", kind, domain).data.foreach_set("color", colours.ravel())
+    mesh.attributes.new("Number", "INT", "FACE").data[0].value = 7
+    mesh.attributes.new("Thread", "FLOAT", "EDGE")
+    mesh.color_attributes.active_color_name = "Colour CORNER"
+    make(obj)
+    mesh = obj.data
+    assert mesh["layer"] == "arm"
+    assert mesh.color_attributes.active_color_name == "Colour CORNER"
+    places = np.array([vertex.co for vertex in mesh.vertices])
+    corners = np.array([loop.vertex_index for loop in mesh.loops])
+    for domain, rows in (("POINT", places), ("CORNER", places[corners])):
+        colours = np.array([item.color for item in mesh.attributes[f"Colour {domain}"].data])
+        assert (
+            np.abs(colours[:, :2] - np.clip((rows - low) / np.maximum(size, 1e-9), 0, 1)[:, :2]).max() < 1e-3
+        )
+    assert {item.value for item in mesh.attributes["Number"].data} == {7}
+    assert "'Plane': without its attributes Thread" in capfd.readouterr().out
+
+
 def test_the_margin_shows_nothing_of_a_texture_that_repeats():
     obj = image_plane(new_image(np.ones((40, 40), bool) & ~blobs((20, 20), size=(40, 40), radius=8)))
     make(obj)
@@ -192,6 +282,19 @@ def test_several_planes_at_once_and_their_islands(tmp_path):
     assert {obj.name for obj in bpy.context.selected_objects} == {"First", "Second", "Second.001"}
     assert bpy.data.objects["Second.001"].location.x == 3.0
     assert bpy.context.object == first
+
+
+def test_islands_are_in_all_collections_of_the_plane():
+    obj = image_plane(new_image(blobs((20, 60), (60, 60), radius=10)))
+    names = {collection.name for collection in obj.users_collection}
+    for name in ("Characters", "Render"):
+        collection = bpy.data.collections.new(name)
+        bpy.context.scene.collection.children.link(collection)
+        collection.objects.link(obj)
+    make(obj, separate_islands=True)
+    for island in bpy.data.objects:
+        assert {found.name for found in island.users_collection} == names | {"Characters", "Render"}
+    assert len(bpy.data.objects) == 2
 
 
 def test_an_image_plane_of_a_sequence(tmp_path):
@@ -282,8 +385,8 @@ NOT_PLANES = {
     "no UV map": (_no_map, "has no UV map: unwrap it"),
     "no image": (_no_image, "shows no image: give its material an Image Texture"),
     "mapped by a node": (_mapped, "laid on by the node 'Mapping': disconnect it"),
-    "pins": (_pinned, "has pins, shape keys or vertex groups: Remesh keeps them"),
-    "shape keys": (_keyed, "has pins, shape keys or vertex groups: Remesh keeps them"),
+    "pins": (_pinned, "has pins, .*: use Object > Planar > Cutout > Remesh Cutout, which"),
+    "shape keys": (_keyed, "has pins, .*: use Object > Planar > Cutout > Remesh Cutout, which"),
 }
 
 
@@ -298,6 +401,20 @@ def test_what_is_no_image_plane_is_told_with_a_remedy_and_stays(kind):
         make(good, obj)
     assert blocks() == before
     assert len(obj.data.polygons) == len(good.data.polygons) == 1
+
+
+def test_a_pinned_plane_is_cut_out_by_the_operator_that_the_refusal_names(tmp_path):
+    obj = plane(tmp_path)
+    place, corner = obj.location.copy(), obj.matrix_world @ obj.data.vertices[0].co
+    add_pins(obj, [0])
+    with pytest.raises(RuntimeError, match="Object > Planar > Cutout > Remesh Cutout"):
+        make(obj)
+    assert bpy.ops.planar.remesh(vertices=300) == {"FINISHED"}
+    assert covered(obj, letter().shape)[letter()].all()
+    assert np.count_nonzero(covered(obj, letter().shape)) < 1.6 * np.count_nonzero(letter())
+    assert (obj.location, len(obj.planar.pins)) == (place, 1)
+    assert min((obj.matrix_world @ vertex.co - corner).length for vertex in obj.data.vertices) < 0.03
+    assert bpy.ops.planar.drag_pins(offset=(0.02, 0.0)) == {"FINISHED"}
 
 
 def test_a_result_of_rendering_is_refused():
@@ -335,6 +452,36 @@ def test_a_linked_object_is_refused(tmp_path):
     activate(obj)
     with pytest.raises(RuntimeError, match="is linked from a library: make it local"):
         make(obj)
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """The preview as a window would draw it, in which the operator has been the last one."""
+    from planar_deform.scene.image import preview
+
+    layer = bpy.context.view_layer
+    done = SimpleNamespace(operators=[SimpleNamespace(bl_idname="PLANAR_OT_make_cutout")])
+    yield lambda: preview.now(SimpleNamespace(window_manager=done, view_layer=layer))
+    preview.forget()
+
+
+def test_the_preview_goes_with_its_object_and_with_a_refusal(shown):
+    for vanish in (bpy.data.objects.remove, _back_to_a_quad, _refused):
+        obj = image_plane(new_image(letter()))
+        make(obj)
+        assert shown() is not None
+        vanish(obj)
+        assert shown() is None, vanish
+
+
+def _back_to_a_quad(obj):
+    obj.data = image_plane(new_image(letter()), name="Quad").data
+
+
+def _refused(obj):
+    with pytest.raises(RuntimeError, match="cannot be cut out"):
+        make(image_plane(new_image(letter() & False), name="Clear"))
+    assert len(obj.data.polygons) > 1
 
 
 def test_undo(tmp_path):

@@ -25,24 +25,24 @@ class Art:
     said: str | None = None
 
 
-def art_of(pixels: Array32, *, uses_alpha: bool = True) -> Art:
+def art_of(pixels: Array32, *, uses_alpha: bool = True, has_alpha: bool = True) -> Art:
     """The art of an image of h x w x channels pixels, rows from the bottom. Takes no Blender data.
 
-    Not `uses_alpha`: the image is shown as if it were opaque.
+    Not `uses_alpha`: the image is shown as if it were opaque. Not `has_alpha`: Blender has filled in
+    the last of four channels.
     """
     height, width, channels = pixels.shape
     if channels == 4 and uses_alpha:
         alpha = np.rint(np.clip(np.nan_to_num(pixels[..., 3]), 0.0, 1.0) * OPAQUE).astype(np.uint8)
         if alpha.min() < OPAQUE:
             return Art(alpha)
+    why = "it is opaque" if channels == 4 and uses_alpha and has_alpha else "it has no alpha"
     colours = pixels[..., :3] if channels >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
     keyed = native.key_colour(np.nan_to_num(colours))
     if keyed.keyed:
-        return Art(
-            (keyed.alpha * OPAQUE).astype(np.uint8), "it has no alpha: cut out by the colour of its border"
-        )
+        return Art((keyed.alpha * OPAQUE).astype(np.uint8), f"{why}: cut out by the colour of its border")
     whole = np.full((height, width), OPAQUE, np.uint8)
-    return Art(whole, f"it has no alpha, so all of it is the cutout. {keyed.said}")
+    return Art(whole, f"{why}, so all of it is the cutout. {keyed.said}")
 
 
 def united(frames: Iterable[Art]) -> Art:

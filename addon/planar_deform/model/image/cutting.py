@@ -12,6 +12,7 @@ from ... import native
 from ..plane.frame import Array, Indices
 from ..work import Progress
 from .art import OPAQUE, Alpha
+from .glow import MUCH, share_cut_off
 from .placement import Window
 
 
@@ -82,8 +83,11 @@ def cut(
         )
     except ValueError as error:  # an edge that makes millions of vertices, say
         raise NoArt(str(error)) from error
+    said = list(found.said)
+    if share_cut_off(shown, settings.threshold, found.points, found.rings) > MUCH:
+        said.append("a soft glow is cut off: lower the Threshold")
     points = found.points + np.array([window.left, window.bottom], np.float64)
-    return Drawing(points, found.triangles, found.parts, list(found.rings), list(found.said))
+    return Drawing(points, found.triangles, found.parts, list(found.rings), said)
 
 
 def _areas(first: Array, second: Array) -> Array:

@@ -3,14 +3,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
 from ...model.image.cutting import Drawing
 from ...model.image.placement import affine_fit, carried
-from ...model.plane.frame import Array32, Indices
+from ...model.plane.carrying import carrying
+from ...model.plane.frame import Array, Array32, Indices
 from ..flatten import uv_maps
+from ..objects import attributes
 from ..objects.adding import link_beside
+from ..storage.topology import corner_vertices
 from .image_plane import ImagePlane
 
 
@@ -34,6 +39,9 @@ def swap(plane: ImagePlane, drawing: Drawing, *, separate: bool = False) -> list
         island.data = mesh
         mesh.name = island.name
         link_beside(bpy.context, obj, island)
+        for collection in obj.users_collection:
+            if collection.library is None and island.name not in collection.objects:
+                collection.objects.link(island)
         objects.append(island)
     _show_no_more_than_the_image(plane.texture, drawing)
     return objects
@@ -77,7 +85,53 @@ def mesh_of(plane: ImagePlane, drawing: Drawing) -> bpy.types.Mesh:
         copy.active_render = layer.active_render
     if source.uv_layers.active is not None:
         mesh.uv_layers.active_index = source.uv_layers.active_index
+    _carry(plane, source, mesh, drawing.points, triangles)
+    for name in source.keys():  # noqa: SIM118 - a mesh is no mapping
+        if name not in mesh.bl_rna.properties:
+            mesh[name] = source[name]
     return mesh
+
+
+def lost(plane: ImagePlane) -> str | None:
+    """What to tell of a plane's attributes that its cutout will not have. Raises ObjectGone."""
+    mesh = plane.resolve().data
+    names = attributes.not_read(mesh)
+    return f"'{plane.name}': without its attributes {', '.join(names)}" if names else None
+
+
+def _carry(
+    plane: ImagePlane, source: bpy.types.Mesh, mesh: bpy.types.Mesh, points: Array, triangles: Indices
+) -> None:
+    """Give the cutout's mesh the attributes of the plane's, as they are where its points lie."""
+    found = [one for one in attributes.read(source) if not one.is_map]
+    if not found:
+        return
+    shown = uv_maps.read(source.uv_layers[plane.uv_map]).astype(np.float64) * plane.placement.size
+    source.calc_loop_triangles()
+    count = len(source.loop_triangles)
+    corners, faces = np.empty(3 * count, np.int32), np.empty(count, np.int32)
+    source.loop_triangles.foreach_get("loops", corners)
+    source.loop_triangles.foreach_get("polygon_index", faces)
+    corners = corners.reshape(-1, 3)
+    hung = carrying(shown, corners, points)
+    vertices = corner_vertices(source)
+    for one in found:
+        mesh.attributes.new(one.name, one.kind, one.domain)
+        if one.domain == "FACE":
+            middles = carrying(shown, corners, points[triangles].mean(axis=1))
+            values = one.values[faces[middles.triangles]]
+        elif one.domain == "CORNER":
+            values = one.carried(hung)[triangles.ravel()]
+        else:
+            values = replace(one, values=one.values[vertices]).carried(hung)
+        attributes.write(mesh, one, values)
+    colours, names = source.color_attributes, mesh.color_attributes.keys()
+    if colours.active_color_name in names:
+        mesh.color_attributes.active_color_name = colours.active_color_name
+    if 0 <= colours.render_color_index < len(colours):
+        rendered = colours[colours.render_color_index].name
+        if rendered in names:
+            mesh.color_attributes.render_color_index = names.index(rendered)
 
 
 def places(plane: ImagePlane, drawing: Drawing) -> Array32:

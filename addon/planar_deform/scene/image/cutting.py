@@ -9,8 +9,8 @@ from functools import partial
 from typing import TypeVar
 
 from ... import native
-from ...errors import Refusal
-from ...model.image.art import Art, art_of, united
+from ...errors import Refusal, Refusals
+from ...model.image.art import Art, united
 from ...model.image.cutting import Drawing, NoArt, Settings, cut
 from ...model.work import Progress, Work
 from . import reading
@@ -39,9 +39,11 @@ def cuts(
 
     Raises Refusal and ObjectGone.
     """
-    found = []
+    found, refused = [], Refusals()
     for number, plane in enumerate(planes):
-        found.append((yield from among(_cut(plane, settings, loaded), number, len(planes))))
+        with refused.noting():
+            found.append((yield from among(_cut(plane, settings, loaded), number, len(planes))))
+    refused.tell()
     return found
 
 
@@ -86,7 +88,7 @@ def _art(plane: ImagePlane, loaded: bool) -> Generator[float, None, Art]:
 
 
 def _art_of(frame: reading.Frame, _progress: Progress) -> Art:
-    return art_of(frame.pixels, uses_alpha=frame.uses_alpha)
+    return frame.art()
 
 
 def _solved(solve: Callable[[Progress], Result]) -> Generator[float, None, Result]:

@@ -14,6 +14,7 @@ from ...model.image.placement import Misfit, Placement, placed
 from ...model.plane.frame import Array, Array32
 from ..flatten import uv_maps
 from ..objects.flat_object import MAKE_LOCAL
+from ..objects.new_faces import face_settings
 from ..storage.topology import corner_vertices
 from . import reading
 
@@ -84,15 +85,24 @@ def read(obj: bpy.types.Object, sizes: Mapping[bpy.types.Image, tuple[int, int]]
 
 
 def _texture(obj: bpy.types.Object) -> tuple[int, bpy.types.ShaderNodeTexImage]:
-    """The slot and the node of the image that is shown: in a material of several, the active node's."""
-    slots = sorted(range(len(obj.material_slots)), key=lambda slot: slot != obj.active_material_index)
-    for slot in slots:
-        node = texture_in(obj, slot)
-        if node is not None:
-            return slot, node
-    raise Refusal(
-        f"'{obj.name}' shows no image: give its material an Image Texture, or add the image with Add > Image"
-    )
+    """The slot that the faces have, and in its material the node of the image that is shown."""
+    numbers, _ = face_settings(obj.data)
+    slots = np.unique(
+        np.clip(numbers, 0, max(len(obj.material_slots) - 1, 0))
+    ).tolist()  # as Blender shows them
+    nodes = [texture_in(obj, slot) for slot in slots]
+    if None in nodes:
+        which = "A face of " if len(nodes) > 1 else ""
+        raise Refusal(
+            f"{which}'{obj.name}' shows no image: give its material an Image Texture, or add the image with "
+            "Add > Image"
+        )
+    if len(nodes) > 1:
+        raise Refusal(
+            f"The faces of '{obj.name}' have several materials: separate them in Edit Mode with P > By "
+            "Material"
+        )
+    return slots[0], nodes[0]
 
 
 def texture_in(obj: bpy.types.Object, slot: int) -> bpy.types.ShaderNodeTexImage | None:
@@ -101,10 +111,29 @@ def texture_in(obj: bpy.types.Object, slot: int) -> bpy.types.ShaderNodeTexImage
     tree = None if material is None else material.node_tree
     if tree is None:
         return None
-    nodes = [node for node in tree.nodes if node.type == "TEX_IMAGE" and node.image is not None]
+    nodes = [node for node in tree.nodes if _has_image(node)]
+    nodes = [node for node in _reaching(tree.get_output_node("ALL")) if _has_image(node)] or nodes
     if not nodes:
         return None
     return tree.nodes.active if tree.nodes.active in nodes else nodes[0]
+
+
+def _has_image(node: bpy.types.Node) -> bool:
+    return node.type == "TEX_IMAGE" and node.image is not None
+
+
+def _reaching(output: bpy.types.Node | None) -> list[bpy.types.Node]:
+    """The nodes from which links lead to one, itself among them, by the order of its inputs."""
+    found: list[bpy.types.Node] = []
+    ahead = [] if output is None else [output]
+    while ahead:
+        node = ahead.pop()
+        if node in found:
+            continue
+        found.append(node)
+        links = [link for socket in node.inputs for link in socket.links if not link.is_muted]
+        ahead += [link.from_node for link in reversed(links)]
+    return found
 
 
 def uv_map(obj: bpy.types.Object, node: bpy.types.ShaderNodeTexImage) -> bpy.types.MeshUVLoopLayer:

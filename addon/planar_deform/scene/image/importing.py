@@ -10,7 +10,7 @@ from typing import Any
 
 import bpy
 
-from ...errors import Refusal
+from ...errors import Refusal, Refusals
 from . import image_plane, reading
 from .image_plane import ImagePlane
 
@@ -68,15 +68,16 @@ def load(
 
     `sequences`: most of them may be frames, which are looked at later.
     """
-    for path in paths:
-        reading.check_file(path)
-    images = []
-    for path in paths:
-        with undoing.noting():
-            images.append(_load(undoing, path))
-        if not sequences:
-            reading.size_of(images[-1])  # Blender reads the file now
-        yield len(images) / len(paths)
+    images, refused = [], Refusals()
+    for number, path in enumerate(paths, start=1):
+        with refused.noting():
+            reading.check_file(path)
+            with undoing.noting():
+                images.append(_load(undoing, path))
+            if not sequences:
+                reading.size_of(images[-1])  # Blender reads the file now
+        yield number / len(paths)
+    refused.tell()
     return images
 
 

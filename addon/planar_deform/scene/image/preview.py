@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -23,14 +23,14 @@ class Preview:
     edges: Indices  # e x 2
     outline: Indices  # o x 2, those of the edges that have a triangle on one side only
     operator: str  # that made them
+    meshes: tuple[tuple[str, int, int], ...] = ()  # an object's name, its identity and its mesh's, for each
 
 
 _now: Preview | None = None
 
 
-def show(context: bpy.types.Context, cuts: Sequence[Cut], operator: str) -> None:
-    """Show these from when the operator is done until anything else is."""
-    global _now
+def of(cuts: Sequence[Cut], operator: str) -> Preview:
+    """What there will be to see of cutouts, where their planes are still."""
     points, edges, outline, first = [], [], [], 0
     for made in cuts:
         world = np.array(made.plane.resolve().matrix_world, np.float64)
@@ -39,21 +39,33 @@ def show(context: bpy.types.Context, cuts: Sequence[Cut], operator: str) -> None
         edges.append(first + _edges(made.drawing.triangles))
         outline += [first + np.stack([ring, np.roll(ring, -1)], axis=1) for ring in made.drawing.rings]
         first += len(local)
-    _now = Preview(
+    return Preview(
         np.concatenate(points).astype(np.float32),
         np.concatenate(edges).astype(np.int32),
         np.concatenate(outline).astype(np.int32),
         operator,
     )
+
+
+def show(preview: Preview, objects: Sequence[bpy.types.Object]) -> None:
+    """Show it from when the operator is done until anything else is, or its objects are gone."""
+    global _now
+    meshes = tuple((obj.name, obj.session_uid, obj.data.session_uid) for obj in objects)
+    _now = replace(preview, meshes=meshes)
     redraw.views()
 
 
 def now(context: bpy.types.Context) -> Preview | None:
-    """What is to be drawn: nothing, once another operator has done something."""
-    if _now is None:
+    """What is to be drawn: nothing, once another operator has done something, or the objects are gone."""
+    if _now is None or not all(_is_there(context, *mesh) for mesh in _now.meshes):
         return None
     done = context.window_manager.operators
     return _now if done and done[-1].bl_idname == _now.operator else None
+
+
+def _is_there(context: bpy.types.Context, name: str, identity: int, mesh: int) -> bool:
+    obj = context.view_layer.objects.get(name)
+    return obj is not None and obj.session_uid == identity and obj.data.session_uid == mesh
 
 
 def forget() -> None:

@@ -15,9 +15,10 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.image.art import Art
+from ...model.image.art import Art, art_of
 from ...model.plane.frame import Array32
 
+WITHOUT_ALPHA = (8, 24, 96)  # bits a pixel in the file; in Blender all have four channels
 MOST_PIXELS = 16384  # a side, as native/include/planar/cutout.h
 KEPT = 64 << 20  # bytes of art: of four images of 4096 x 4096, or fifty of 1024 x 1024
 
@@ -27,6 +28,11 @@ class Frame(NamedTuple):
 
     pixels: Array32
     uses_alpha: bool
+    has_alpha: bool
+
+    def art(self) -> Art:
+        """What of it is art. Takes no Blender data."""
+        return art_of(self.pixels, uses_alpha=self.uses_alpha, has_alpha=self.has_alpha)
 
 
 def check_file(path: Path) -> None:
@@ -91,17 +97,19 @@ def frames(image: bpy.types.Image, user: bpy.types.ImageUser) -> Iterator[Frame]
     """
     size = size_of(image)
     if image.source != "SEQUENCE":
-        yield Frame(_pixels(image), image.alpha_mode != "NONE")
+        pixels = _pixels(image)  # from now on Blender knows its depth
+        yield Frame(pixels, image.alpha_mode != "NONE", image.depth not in WITHOUT_ALPHA)
         return
     paths = [path for path in _frame_paths(image, user) if path.exists()]
     if not paths:
         raise Refusal(f"'{image.name}' is a sequence without files: find them with File > External Data")
     for path in paths:
-        yield Frame(_frame_pixels(path, size), image.alpha_mode != "NONE")
+        pixels, has_alpha = _frame_pixels(path, size)
+        yield Frame(pixels, image.alpha_mode != "NONE", has_alpha)
 
 
-def _frame_pixels(path: Path, size: tuple[int, int]) -> Array32:
-    """Of a file of a sequence, whose first one has this size."""
+def _frame_pixels(path: Path, size: tuple[int, int]) -> tuple[Array32, bool]:
+    """Of a file of a sequence, whose first one has this size, and whether they have an alpha."""
     check_file(path)
     with _loaded(path) as image:
         width, height = size_of(image)
@@ -110,7 +118,8 @@ def _frame_pixels(path: Path, size: tuple[int, int]) -> Array32:
                 f"{path} has {width} x {height} pixels, and the sequence's first file {size[0]} x {size[1]}: "
                 "export all frames alike"
             )
-        return _pixels(image)
+        pixels = _pixels(image)
+        return pixels, image.depth not in WITHOUT_ALPHA
 
 
 def _pixels(image: bpy.types.Image) -> Array32:

@@ -5,13 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.image.art import Art, art_of, united
+from ...model.image.art import Art, united
 from ...model.image.cutting import NoArt, Settings
 from ...model.image.filling import Filling
 from ...model.image.placement import Misfit, Placement, placed
@@ -196,7 +195,6 @@ def _art(node: bpy.types.ShaderNodeTexImage) -> Callable[[], Art]:
     """The art of an image, found when it is asked for; of a sequence it is found at once, frame by frame."""
     frames: Iterator[reading.Frame] = reading.frames(node.image, node.image_user)
     if node.image.source == "SEQUENCE":
-        found = united(art_of(frame.pixels, uses_alpha=frame.uses_alpha) for frame in frames)
+        found = united(frame.art() for frame in frames)
         return lambda: found
-    frame = next(frames)
-    return partial(art_of, frame.pixels, uses_alpha=frame.uses_alpha)
+    return next(frames).art

@@ -64,17 +64,31 @@ class Attribute:
 def read(mesh: bpy.types.Mesh) -> list[Attribute]:
     """All that can be carried to another mesh."""
     found = []
-    for attribute in mesh.attributes:
-        name, kind = attribute.name, attribute.data_type
-        if name in OURS or name in BUILT_IN or name.startswith("."):
-            continue
-        if attribute.domain not in {"POINT", "CORNER", "FACE"} or kind not in FIELDS:
-            continue
-        field, size = FIELDS[kind]
-        values: NDArray[Any] = np.empty(len(attribute.data) * size, _type_of(kind))
+    for attribute in filter(_is_carried, _own(mesh)):
+        field, size = FIELDS[attribute.data_type]
+        values: NDArray[Any] = np.empty(len(attribute.data) * size, _type_of(attribute.data_type))
         attribute.data.foreach_get(field, values)
-        found.append(Attribute(name, attribute.domain, kind, values.reshape(-1, size)))
+        found.append(
+            Attribute(attribute.name, attribute.domain, attribute.data_type, values.reshape(-1, size))
+        )
     return found
+
+
+def not_read(mesh: bpy.types.Mesh) -> list[str]:
+    """The names of those that cannot."""
+    return [attribute.name for attribute in _own(mesh) if not _is_carried(attribute)]
+
+
+def _own(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
+    return [
+        attribute
+        for attribute in mesh.attributes
+        if attribute.name not in OURS | BUILT_IN and not attribute.name.startswith(".")
+    ]
+
+
+def _is_carried(attribute: bpy.types.Attribute) -> bool:
+    return attribute.domain in {"POINT", "CORNER", "FACE"} and attribute.data_type in FIELDS
 
 
 def write(mesh: bpy.types.Mesh, attribute: Attribute, values: NDArray[Any]) -> None:
