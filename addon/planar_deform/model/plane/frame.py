@@ -15,6 +15,7 @@ Mask = NDArray[np.bool_]
 
 AXES = "XYZ"
 FEW = 64  # triangles that are asked first for an area
+ROUNDING = 1e-12  # of a unit normal: a drawing across an axis lies there exactly, and stays there to the bit
 # The two object axes that span the plane, by the axis its normal is nearest to: X right and Z up for a
 # drawing that faces the front view, as in Blender's own views.
 SPANNING = {0: (1, 2), 1: (0, 2), 2: (0, 1)}
@@ -63,7 +64,8 @@ def plane_frame(points: Array, parts: Indices, triangles: Indices, linear: Array
     """
     if not np.isfinite(points).all() or not (_covers(points, triangles[:FEW]) or _covers(points, triangles)):
         return None
-    return frame_across(spread(about_part_means(points, parts))[2], linear)
+    normal = spread(about_part_means(points, parts))[2]
+    return frame_across(np.where(np.abs(normal) < ROUNDING, 0.0, normal), linear)
 
 
 def _covers(points: Array, triangles: Indices) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-# Of the coarse mesh. It is off by a few thousandths of the drawing: `tools/figures.sh --table cage`.
+# Of the coarse mesh. How far it is off: `tools/figures.sh --table cage`.
 VERTICES = 4000
 # A move of as many vertices takes about as long as the mouse takes to move on.
 ABOVE = 8000  # unless an object says otherwise
@@ -16,3 +16,8 @@ def cage_of(obj: bpy.types.Object) -> int | None:
     if obj.type != "MESH" or not obj.data.polygons:
         return None
     return VERTICES if len(obj.data.vertices) > obj.planar.coarse_above else None
+
+
+def may_serve(obj: bpy.types.Object) -> bool:
+    """Whether a mesh has so many vertices that some limit would have it solved on a coarse one."""
+    return bool(obj.type == "MESH" and len(obj.data.vertices) > VERTICES)

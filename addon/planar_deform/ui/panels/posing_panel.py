@@ -8,8 +8,7 @@ import bpy
 from ... import compat
 from ...scene.objects import modifiers, stiffness
 from ...scene.objects.any_object import is_outline
-from ...scene.storage import shape_keys
-from ...scene.storage.cage import cage_of
+from ...scene.storage import cage, shape_keys
 from ...scene.view import snapshot
 from .tab import PlanarPanel, lines
 
@@ -41,9 +40,12 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         else:
             column.prop(settings, "method")
             column.prop(settings, "pin_weight")
-            column.prop(settings, "coarse_above", text="Coarse Above")
-            column.prop(settings, "show_mesh")
-            layout.operator("planar.remesh", icon="MOD_REMESH")
+            if cage.may_serve(obj):
+                column.prop(settings, "coarse_above", text="Coarse Above")
+            row = layout.row()
+            row.use_property_split = False
+            row.prop(settings, "show_mesh")
+            row.operator("planar.remesh", text="Remesh", icon="MOD_REMESH")
             row = layout.row(align=True)
             row.operator("planar.reset_to_rest")
             row.operator("planar.set_rest_to_current")
@@ -54,9 +56,9 @@ class PLANAR_PT_pose(PlanarPanel, bpy.types.Panel):
         if baked is not None:
             text = f"Baked: posing changes this frame alone, in shape key '{baked.name}'"
             lines(layout, text, "INFO", context)
-        cage = cage_of(obj)
-        if cage is not None:
-            lines(layout, f"Solved on a coarse mesh of about {cage} vertices", "INFO", context)
+        coarse = cage.cage_of(obj)
+        if coarse is not None:
+            lines(layout, f"Solved on a coarse mesh of about {coarse} vertices", "INFO", context)
         shifting = modifiers.shifting(obj) if obj.type == "MESH" else []
         if shifting:
             names = ", ".join(shifting)

@@ -47,6 +47,17 @@ def test_the_winding_does_not_turn_the_axes():
     assert mixed.n == pytest.approx([0, 0, 1])
 
 
+@pytest.mark.parametrize("axis", range(3))
+def test_a_drawing_across_an_axis_is_so_exactly(axis):
+    rng = np.random.default_rng(axis)
+    flat = rng.normal(size=(500, 2)).astype(np.float32).astype(float)
+    points = np.insert(flat, axis, 1e-15 * rng.normal(size=500), axis=1)  # what some LAPACK makes of 0
+    triangles = np.arange(498, dtype=np.int32).reshape(-1, 3)
+    frame = plane_frame(points, np.zeros(500, np.int32), triangles, np.eye(3))
+    assert np.array_equal(np.abs(frame.n), np.eye(3)[axis])
+    assert not frame.lift(flat)[:, axis].any()
+
+
 def test_a_mirrored_frame_sees_the_plane_from_behind():
     frame = plane_frame(SQUARE, PARTS, TRIANGLES, np.eye(3))
     behind = frame.mirrored()
