@@ -98,6 +98,18 @@ def field(window: Window, value: str) -> Iterator[None]:
     raise AssertionError(f"no field with {value}")
 
 
+def retype(window: Window, value: str, other: str, picture: str) -> Iterator[None]:
+    """Type another number over one of the last operator's, without Enter."""
+    yield from window.hover(window.pixel((0.0, 0.0, 0.3)))
+    yield from window.key("F9")
+    yield from window.wait(0.4)
+    window.picture(picture)
+    yield from field(window, value)
+    yield from window.key("RET")
+    yield from window.key("A", ctrl=True)
+    yield from window.type(other)
+
+
 def test_settings_can_be_changed_afterwards(window: Window) -> Iterator[None]:
     yield from looking(window)
     before = blocks()
@@ -107,14 +119,7 @@ def test_settings_can_be_changed_afterwards(window: Window) -> Iterator[None]:
     yield from done(window)
     first, count = active().session_uid, len(active().data.vertices)
     made = blocks()
-    yield from window.hover(window.pixel((0.0, 0.0, 0.3)))
-    yield from window.key("F9")
-    yield from window.wait(0.4)
-    window.picture("cutout_redo")
-    yield from field(window, "1500")
-    yield from window.key("RET")
-    yield from window.key("A", ctrl=True)
-    yield from window.type("4000")
+    yield from retype(window, "1500", "4000", "cutout_redo")
     start = time.monotonic()
     yield from window.press("RET")
     while active().session_uid == first:

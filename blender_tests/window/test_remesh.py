@@ -12,7 +12,7 @@ import numpy as np
 from cutouts import active, pin
 from harness import Window, addon
 from poses import go_to
-from test_cutout import doll, field
+from test_cutout import doll, retype
 from test_menus import search
 
 SCALE = 600.0  # pixels a unit
@@ -82,14 +82,7 @@ def test_a_keyed_drawing_is_remeshed_changed_and_undone(window: Window) -> Itera
     assert 1100 < made < 1900, window.reports()
     assert np.abs(held() - places).max() < 2e-3  # of a posed drawing; its size is about 1
     window.picture("remesh_after")
-    yield from window.hover(window.pixel((0.0, 0.0, 0.3)))
-    yield from window.key("F9")
-    yield from window.wait(0.4)
-    window.picture("remesh_redo")
-    yield from field(window, "1500")
-    yield from window.key("RET")
-    yield from window.key("A", ctrl=True)
-    yield from window.type("500")
+    yield from retype(window, "1500", "500", "remesh_redo")
     yield from window.press("RET")
     yield from window.release("RET")
     yield from window.wait(1.0)

@@ -9,8 +9,8 @@
 
 #include "planar/types.h"
 
-/// Reads drawn characters and their poses: the project's own, which data/draw_characters.py writes, and ones
-/// published with other methods, which are not part of the project.
+/// Reads drawn characters and their poses: the project's own, which examples/draw_characters.py writes, and
+/// ones published with other methods, which are not part of the project.
 namespace planar::characters {
 
 std::pair<Points, Triangles> read_obj(const std::filesystem::path& path);

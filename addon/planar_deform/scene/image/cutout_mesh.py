@@ -13,8 +13,10 @@ from ...model.image.placement import affine_fit, carried
 from ...model.plane.carrying import carrying
 from ...model.plane.frame import Array, Array32, Indices
 from ..flatten import uv_maps
-from ..objects import attributes
+from ..objects import attributes, triangulation
 from ..objects.adding import link_beside
+from ..objects.new_faces import face_of_corners
+from ..storage.points import read
 from ..storage.topology import corner_vertices
 from .image_plane import ImagePlane
 
@@ -107,19 +109,15 @@ def _carry(
     if not found:
         return
     shown = uv_maps.read(source.uv_layers[plane.uv_map]).astype(np.float64) * plane.placement.size
-    source.calc_loop_triangles()
-    count = len(source.loop_triangles)
-    corners, faces = np.empty(3 * count, np.int32), np.empty(count, np.int32)
-    source.loop_triangles.foreach_get("loops", corners)
-    source.loop_triangles.foreach_get("polygon_index", faces)
-    corners = corners.reshape(-1, 3)
+    corners = triangulation.corner_triangles(source, read(plane.resolve()))
     hung = carrying(shown, corners, points)
+    middles = carrying(shown, corners, points[triangles].mean(axis=1))
+    faces = face_of_corners(source)[corners[middles.triangles, 0]]
     vertices = corner_vertices(source)
     for one in found:
         mesh.attributes.new(one.name, one.kind, one.domain)
         if one.domain == "FACE":
-            middles = carrying(shown, corners, points[triangles].mean(axis=1))
-            values = one.values[faces[middles.triangles]]
+            values = one.values[faces]
         elif one.domain == "CORNER":
             values = one.carried(hung)[triangles.ravel()]
         else:

@@ -11,10 +11,11 @@ import numpy as np
 
 from ...errors import ObjectGone, Refusal
 from ...model.image.placement import Misfit, Placement, placed
-from ...model.plane.frame import Array, Array32
+from ...model.plane.frame import Array
 from ..flatten import uv_maps
 from ..objects.flat_object import MAKE_LOCAL
 from ..objects.new_faces import face_settings
+from ..storage import points
 from ..storage.topology import corner_vertices
 from . import reading
 
@@ -41,8 +42,8 @@ class ImagePlane:
     def texture(self) -> bpy.types.ShaderNodeTexImage:
         """The node that shows the image. Raises ObjectGone."""
         obj = self.resolve()
-        material = obj.material_slots[self.slot].material if self.slot < len(obj.material_slots) else None
-        node = None if material is None else material.node_tree.nodes.get(self.node)
+        tree = _tree_in(obj, self.slot)
+        node = None if tree is None else tree.nodes.get(self.node)
         if node is None or node.image is None:
             raise ObjectGone(f"'{self.name}' shows its image no more")
         return node
@@ -76,7 +77,7 @@ def read(obj: bpy.types.Object, sizes: Mapping[bpy.types.Image, tuple[int, int]]
     mesh = obj.data
     layer = uv_map(obj, node)
     try:
-        placement = placed(uv_maps.read(layer), _corners(mesh), _normal(mesh), size)
+        placement = placed(uv_maps.read(layer), points.read(obj)[corner_vertices(mesh)], _normal(mesh), size)
     except Misfit as misfit:
         raise Refusal(
             f"'{obj.name}' is no image plane, {misfit}: add the image with Add > Image > Cutout from Image"
@@ -107,8 +108,7 @@ def _texture(obj: bpy.types.Object) -> tuple[int, bpy.types.ShaderNodeTexImage]:
 
 def texture_in(obj: bpy.types.Object, slot: int) -> bpy.types.ShaderNodeTexImage | None:
     """The node of the image that the material in a slot shows; None where it shows none."""
-    material = obj.material_slots[slot].material if slot < len(obj.material_slots) else None
-    tree = None if material is None else material.node_tree
+    tree = _tree_in(obj, slot)
     if tree is None:
         return None
     nodes = [node for node in tree.nodes if _has_image(node)]
@@ -116,6 +116,12 @@ def texture_in(obj: bpy.types.Object, slot: int) -> bpy.types.ShaderNodeTexImage
     if not nodes:
         return None
     return tree.nodes.active if tree.nodes.active in nodes else nodes[0]
+
+
+def _tree_in(obj: bpy.types.Object, slot: int) -> bpy.types.NodeTree | None:
+    """The nodes of the material in a slot."""
+    material = obj.material_slots[slot].material if slot < len(obj.material_slots) else None
+    return None if material is None else material.node_tree
 
 
 def _has_image(node: bpy.types.Node) -> bool:
@@ -154,12 +160,6 @@ def uv_map(obj: bpy.types.Object, node: bpy.types.ShaderNodeTexImage) -> bpy.typ
         f"The image of '{obj.name}' is laid on by the node '{source.name}': disconnect it from the Image "
         "Texture, so that the UV map tells where the image is"
     )
-
-
-def _corners(mesh: bpy.types.Mesh) -> Array32:
-    places = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", places)
-    return places.reshape(-1, 3)[corner_vertices(mesh)]
 
 
 def _normal(mesh: bpy.types.Mesh) -> Array:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
+from ...model.plane.connectivity import unique_edges
 from ...model.plane.frame import Array32, Indices
 from ..storage import redraw
 from .cutout_mesh import places
@@ -36,7 +37,8 @@ def of(cuts: Sequence[Cut], operator: str) -> Preview:
         world = np.array(made.plane.resolve().matrix_world, np.float64)
         local = places(made.plane, made.drawing).astype(np.float64)
         points.append(local @ world[:3, :3].T + world[:3, 3])
-        edges.append(first + _edges(made.drawing.triangles))
+        sides = made.drawing.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        edges.append(first + unique_edges(sides))
         outline += [first + np.stack([ring, np.roll(ring, -1)], axis=1) for ring in made.drawing.rings]
         first += len(local)
     return Preview(
@@ -72,9 +74,3 @@ def forget() -> None:
     """Show nothing any more."""
     global _now
     _now = None
-
-
-def _edges(triangles: Indices) -> Indices:
-    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    found: Indices = np.unique(sides, axis=0)
-    return found

@@ -11,11 +11,12 @@ from gpu_extras.batch import batch_for_shader
 
 from ...scene.image import preview
 from ...scene.image.preview import Preview
+from . import marks
 from .in_views import InViews
+from .mesh_edges import EDGES
 
 CLASSES = ()
 
-EDGES = (0.05, 0.05, 0.06, 0.45)
 OUTLINE = (1.0, 0.55, 0.1, 1.0)
 WIDTH = 2.0  # of the outline, in pixels at a resolution scale of 1
 
@@ -28,7 +29,7 @@ def _draw() -> None:
     if shown is None or not context.space_data.overlay.show_overlays:
         return
     thin = gpu.shader.from_builtin("UNIFORM_COLOR")
-    wide = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    wide = marks.pen(OUTLINE, WIDTH * context.preferences.system.ui_scale)
     batches = _made.get(shown)
     if batches is None:
         content = {"pos": shown.points}
@@ -42,9 +43,6 @@ def _draw() -> None:
     thin.uniform_float("color", EDGES)
     edges.draw(thin)
     wide.bind()
-    wide.uniform_float("color", OUTLINE)
-    wide.uniform_float("lineWidth", WIDTH * context.preferences.system.ui_scale)
-    wide.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
     outline.draw(wide)
     gpu.state.blend_set("NONE")
 

@@ -111,7 +111,7 @@ def draw_strip(corners: Iterable[tuple[float, float]], scale: float) -> None:
     """A line along corners."""
     content = {"pos": list(corners)}
     for color, width in ((RIM, 1.5 * OUTLINE), (PLAIN, 0.5 * OUTLINE)):
-        shader = _pen(color, width * scale)
+        shader = pen(color, width * scale)
         batch_for_shader(shader, "LINE_STRIP", content).draw(shader)
 
 
@@ -177,7 +177,7 @@ def _shape(name: str, corners: Corners, radius: float, color: Colour) -> None:
 
 
 def _outline(name: str, corners: Corners, radius: float, color: Colour, width: float) -> None:
-    shader = _pen(color, width)
+    shader = pen(color, width)
     if name not in _batches:
         _batches[name] = batch_for_shader(shader, "LINE_STRIP", {"pos": [*corners, corners[0], corners[1]]})
     with gpu.matrix.push_pop():
@@ -186,7 +186,7 @@ def _outline(name: str, corners: Corners, radius: float, color: Colour, width: f
 
 
 def _line(start: Vector, end: Vector, color: Colour, width: float) -> None:
-    shader = _pen(color, width)
+    shader = pen(color, width)
     if "line" not in _batches:
         _batches["line"] = batch_for_shader(shader, "LINES", {"pos": [(0.0, 0.0), (1.0, 0.0)]})
     along = end - start
@@ -197,7 +197,8 @@ def _line(start: Vector, end: Vector, color: Colour, width: float) -> None:
         _batches["line"].draw(shader)
 
 
-def _pen(color: Colour, width: float) -> gpu.types.GPUShader:
+def pen(color: Colour, width: float) -> gpu.types.GPUShader:
+    """What draws lines of a width in pixels."""
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     shader.bind()
     shader.uniform_float("color", color)

@@ -12,6 +12,7 @@ from mathutils import Matrix
 
 from ...scene.view import onion
 from ...scene.view.onion import Onion
+from . import marks
 from .in_views import InViews
 from .marks import Colour
 
@@ -35,23 +36,20 @@ def _draw() -> None:
     seen = onion.of_active(context)
     if seen is None or not context.object.visible_get(viewport=context.space_data):
         return
-    pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    width = WIDTH * context.preferences.system.ui_scale
     skins = _made.get(seen)
     if skins is None:
+        pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
         skins = _made[seen] = tuple(
             (colour, batch_for_shader(pen, "LINES", {"pos": shape[seen.edges.ravel()]}))
             for colour, shape in ((BEFORE, seen.before), (BEHIND, seen.behind))
             if shape is not None
         )
-    pen.bind()
-    pen.uniform_float("lineWidth", WIDTH * context.preferences.system.ui_scale)
-    pen.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
     gpu.state.blend_set("ALPHA")
     with gpu.matrix.push_pop():
         gpu.matrix.multiply_matrix(Matrix(context.object.matrix_world))
         for colour, skin in skins:
-            pen.uniform_float("color", colour)
-            skin.draw(pen)
+            skin.draw(marks.pen(colour, width))
     gpu.state.blend_set("NONE")
 
 

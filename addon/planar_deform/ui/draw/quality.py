@@ -104,12 +104,7 @@ def _draw_colours() -> None:
     gpu.state.blend_set("ALPHA")
     made.fill.draw(gpu.shader.from_builtin("FLAT_COLOR"))
     if made.flipped is not None:
-        pen = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-        pen.bind()
-        pen.uniform_float("color", FLIPPED)
-        pen.uniform_float("lineWidth", BORDER * bpy.context.preferences.system.ui_scale)
-        pen.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-        made.flipped.draw(pen)
+        made.flipped.draw(marks.pen(FLIPPED, BORDER * bpy.context.preferences.system.ui_scale))
     gpu.state.blend_set("NONE")
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the meshes (.obj) and poses (.json) of the example characters into this folder, for characters.h.
+"""Writes meshes (.obj) and poses (.json) of the characters into tests/native/data, for characters.h there.
 
 A pose has the vertices that are handles, where they are at rest ("src") and where they go ("dst").
 
-usage: .venv/bin/python tests/native/data/draw_characters.py (after make demo; where the drawings change)
+usage: .venv/bin/python examples/draw_characters.py (after make demo; where the drawings change)
 """
 
 import json
@@ -12,14 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-HERE = Path(__file__).parent
-PROJECT = HERE.parents[2]
+PROJECT = Path(__file__).resolve().parents[1]
+DATA = PROJECT / "tests" / "native" / "data"
 sys.path[:0] = [str(PROJECT / "examples"), str(PROJECT / "addon")]
-
-from even_mesh import silhouette, triangulate  # noqa: E402
 
 import dragon  # noqa: E402
 import fox  # noqa: E402
+from even_mesh import silhouette, triangulate  # noqa: E402
 
 DIGITS = 4  # of a drawing some four units tall
 
@@ -33,7 +32,7 @@ def draw(name, layers, pins, poses, spacing):
         triangles.append(t + first[layer.name])
     lines = [f"v {x:.{DIGITS}f} {z:.{DIGITS}f} 0" for x, z in np.concatenate(points)]
     lines += ["f {} {} {}".format(*(t + 1)) for t in np.concatenate(triangles)]
-    (HERE / f"{name}.obj").write_text("\n".join(lines) + "\n")
+    (DATA / f"{name}.obj").write_text("\n".join(lines) + "\n")
     layer_points = dict(zip(first, points, strict=True))
     handles = {pin.name: _handles(pin, layer_points[pin.layer]) for pin in pins}
     rows = [
@@ -43,7 +42,7 @@ def draw(name, layers, pins, poses, spacing):
         }
         for pose in poses
     ]
-    (HERE / f"{name}.json").write_text(json.dumps({"poses": rows}) + "\n")
+    (DATA / f"{name}.json").write_text(json.dumps({"poses": rows}) + "\n")
 
 
 def _handles(pin, points):

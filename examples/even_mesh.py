@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An even mesh of a drawn layer, from its shapes not its pixels; the characters here were made by it."""
+"""An even mesh of a drawn layer, from its shapes and not its pixels, for the tests of the library."""
 
 from __future__ import annotations
 
