@@ -94,8 +94,10 @@ void Motion::join_transitions() {
 void Motion::repair(std::size_t k, const std::function<void(double)>& progress) {
   progress(0.0);
   const auto unrepaired = [&](const Eigen::VectorXd& u) {
-    return frames(std::vector<Eigen::Index>(static_cast<std::size_t>(u.size()), static_cast<Eigen::Index>(k)),
-                  u, false);
+    std::vector<Moment> moments;
+    moments.reserve(at(u.size()));
+    for (const double share : u) moments.push_back({k, share});
+    return frames(moments, false);
   };
   auto repair = std::make_unique<FlipRepair>(graph_, keys_[k], keys_[k + 1], transitions_[k].edges.steps(),
                                              unrepaired, progress, team_);
@@ -104,28 +106,29 @@ void Motion::repair(std::size_t k, const std::function<void(double)>& progress) 
   if (repair->needed()) transitions_[k].repair = std::move(repair);
 }
 
-std::vector<Points> Motion::frames(const std::vector<Eigen::Index>& k, const Eigen::VectorXd& u,
-                                   bool repaired) {
+std::vector<Points> Motion::frames(const std::vector<Moment>& moments, bool repaired) {
   constexpr Eigen::Index lanes = FrameAssembler::lanes;
-  std::vector<Points> result(k.size());
-  const auto passes = static_cast<std::size_t>(FrameAssembler::padded(u.size()) / lanes);
+  const auto n_moments = static_cast<Eigen::Index>(moments.size());
+  std::vector<Points> result(moments.size());
+  const auto passes = static_cast<std::size_t>(FrameAssembler::padded(n_moments) / lanes);
   team_.run(passes, [&](std::size_t pass, std::size_t thread) {
     ComplexRows edges = ComplexRows::Zero(static_cast<Eigen::Index>(graph_.edges.size()), lanes);
     ComplexRows points(graph_.n_vertices, lanes);
     const Eigen::Index first = static_cast<Eigen::Index>(pass) * lanes;
-    const Eigen::Index count = std::min(lanes, u.size() - first);
-    const auto transition = [&](Eigen::Index i) -> const Transition& {
-      return transitions_[static_cast<std::size_t>(k[static_cast<std::size_t>(first + i)])];
-    };
-    for (Eigen::Index i = 0; i < count; ++i) transition(i).edges.sample(u[first + i], edges, i);
+    const Eigen::Index count = std::min(lanes, n_moments - first);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto [k, u] = moments[at(first + i)];
+      transitions_[k].edges.sample(u, edges, i);
+    }
     assembler_.assemble(edges, 0, points);
     for (Eigen::Index i = 0; i < count; ++i) {
-      const auto row = static_cast<std::size_t>(first + i);
-      const PartPlacer& placer = transition(i).placer;
-      result[row] = placer.place(points, i, u[first + i]);
-      const FlipRepair* repair = transition(i).repair.get();
-      if (!repaired || !repair || u[first + i] < 0.0 || u[first + i] > 1.0) continue;
-      Points upright = repair->repaired(result[row], u[first + i], thread);
+      const std::size_t row = at(first + i);
+      const auto [k, u] = moments[row];
+      const PartPlacer& placer = transitions_[k].placer;
+      result[row] = placer.place(points, i, u);
+      const FlipRepair* repair = transitions_[k].repair.get();
+      if (!repaired || !repair || u < 0.0 || u > 1.0) continue;
+      Points upright = repair->repaired(result[row], u, thread);
       placer.hold_anchors(result[row], upright);
       result[row] = std::move(upright);
     }
@@ -151,13 +154,7 @@ void Motion::hold_pins(Points& frame, const Moment& moment, const Points* path, 
 
 std::vector<Points> Motion::sample(const std::vector<Moment>& moments,
                                    const std::function<const Points*(std::size_t i)>& path) {
-  std::vector<Eigen::Index> k;
-  Eigen::VectorXd u(static_cast<Eigen::Index>(moments.size()));
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    k.push_back(static_cast<Eigen::Index>(moments[i].k));
-    u[static_cast<Eigen::Index>(i)] = moments[i].u;
-  }
-  std::vector<Points> result = frames(k, u, true);
+  std::vector<Points> result = frames(moments, true);
   if (pins_) {
     team_.run(result.size(),
               [&](std::size_t i, std::size_t thread) { hold_pins(result[i], moments[i], path(i), thread); });

@@ -59,8 +59,8 @@ class Motion {
   void join_transitions();
   void repair(std::size_t k, const std::function<void(double)>& progress);
   void hold_pins(Points& frame, const Moment& moment, const Points* path, std::size_t thread);
-  /// Frames at shares u[i] of transitions k[i], a pass for FrameAssembler::lanes of them.
-  std::vector<Points> frames(const std::vector<Eigen::Index>& k, const Eigen::VectorXd& u, bool repaired);
+  /// Frames at moments, a pass for FrameAssembler::lanes of them.
+  std::vector<Points> frames(const std::vector<Moment>& moments, bool repaired);
 
   std::vector<Points> keys_;
   Eigen::VectorXd times_;
