@@ -64,6 +64,11 @@ def data(bpy: str) -> Suite:
     return Suite(f"data-{bpy}", ("tools/with_bpy.sh", bpy, "-m", "pytest", "blender_tests/data"))
 
 
+def python(bpy: str) -> Suite:
+    """The tests without a Blender, in the Python and with the NumPy of one."""
+    return Suite(f"python-{bpy}", ("tools/with_bpy.sh", bpy, "-m", "pytest", "tests/python"))
+
+
 def extension(blender: str) -> Suite:
     return Suite(f"extension-{blender}", ("tools/extension_tests.sh", blender))
 
@@ -101,7 +106,8 @@ def matrix(*, whole: bool, tested: bool) -> list[Suite]:
         wheels.remove(default_bpy())
     if tested and not blender_here():
         del screens[0]
-    return [*screens, *map(data, wheels), *map(extension, (*wheels, *rooms))]
+    newest = [bpy for bpy in wheels if bpy == BPY_VERSIONS[-1]]
+    return [*screens, *map(data, wheels), *map(python, newest), *map(extension, (*wheels, *rooms))]
 
 
 def on_this_machine(*, whole: bool, core: bool = True) -> list[Suite]:
