@@ -29,11 +29,10 @@ def fitted(obj: bpy.types.Object, now: Present) -> tuple[Present, list[str]]:
         old = None if node is None else file_state.size_before(obj, node.image)
         if node is None or old is None or old == tuple(node.image.size):
             continue
-        name = image_plane.uv_map(obj, node).name
-        of_slot = slots == slot
-        corner = canvas.moved(
-            _outline(now, now.maps[name], of_slot), old, remesh_source.art_of_node(node)().alpha
-        )
+        name, of_slot = image_plane.uv_map(obj, node).name, slots == slot
+        art = now.arts.get(node.image.name) or remesh_source.art_of_node(node)()
+        now = replace(now, arts={**now.arts, node.image.name: art})
+        corner = canvas.moved(_outline(now, now.maps[name], of_slot), old, art.alpha)
         if corner is None:
             continue
         new, image = tuple(node.image.size), node.image.name

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
@@ -36,6 +36,7 @@ class Present:
     corners: Indices  # m x 3, the corners of the mesh that triangles have
     triangles: Indices  # m x 3, their vertices, in the order in which they face
     maps: Mapping[str, Array32]  # the UV maps, corners x 2, by name
+    arts: Mapping[str, Art] = field(default_factory=dict)  # those of images that have been found already
 
     @property
     def part_of(self) -> Indices:
@@ -137,7 +138,7 @@ def _layers(obj: bpy.types.Object, now: Present) -> list[Layer]:
         to_plane = now.drawing.rest_places
         own = np.array(parts, np.int32)
         whole = len(parts) == 1 and _is_plane(now, parts[0], placement)
-        layers.append(Layer(node.image.name, art_of_node(node), placement, to_plane, own, whole, alone))
+        layers.append(Layer(node.image.name, _art(node, now), placement, to_plane, own, whole, alone))
     return layers
 
 
@@ -191,6 +192,11 @@ def _is_alone(obj: bpy.types.Object, image: bpy.types.Image) -> bool:
     """Whether no other object shows an image."""
     others = (other for other in bpy.data.objects if other.type == "MESH" and other.data != obj.data)
     return not any(image in images_of(other) for other in others)
+
+
+def _art(node: bpy.types.ShaderNodeTexImage, now: Present) -> Callable[[], Art]:
+    known = now.arts.get(node.image.name)
+    return art_of_node(node) if known is None else lambda: known
 
 
 def art_of_node(node: bpy.types.ShaderNodeTexImage) -> Callable[[], Art]:
