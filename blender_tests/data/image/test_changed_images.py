@@ -163,3 +163,25 @@ def test_a_repainted_frame_of_a_sequence_is_noticed(tmp_path):
     assert bpy.ops.planar.remesh(reload=True) == {"FINISHED"}
     assert covered(obj, art.shape)[art].all()
     assert not changed(obj)
+
+
+def test_an_island_of_its_own_object_stays_as_fine_as_it_was(tmp_path):
+    path = save(tmp_path, "dots.png", blobs((20, 30), (60, 90), (20, 90)))
+    obj = cutout(path, vertices=600, separate_islands=True)
+    add_pins(obj, [0])
+    count = len(obj.data.vertices)
+    for _ in range(3):
+        repaint(path, blobs((20, 30), (60, 90), (20, 90)))
+        assert bpy.ops.planar.remesh(reload=True) == {"FINISHED"}
+        assert 0.8 * count < len(obj.data.vertices) < 1.25 * count
+
+
+def test_of_several_images_the_empty_one_is_told(tmp_path):
+    paths = [save(tmp_path, name, art) for name, art in (("a.png", letter()), ("b.png", blobs((60, 30))))]
+    obj = cutout(*paths, vertices=300, layers="PARTS")
+    add_pins(obj, [0])
+    before = stored(obj)
+    repaint(paths[1], np.zeros((120, 80), bool))
+    with pytest.raises(RuntimeError, match=r"'b.png' cannot be cut out: all of it is transparent"):
+        bpy.ops.planar.remesh(reload=True)
+    assert stored(obj) == before

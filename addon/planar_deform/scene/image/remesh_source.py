@@ -73,7 +73,7 @@ def of_images(obj: bpy.types.Object, now: Present, settings: Settings) -> Source
         try:
             filling = recut(layers, settings, drawing.rest, drawing.cutout.triangles, part_of, progress)
         except NoArt as reason:
-            raise Refusal(f"The image of '{drawing.object_name}' cannot be cut out: {reason}") from reason
+            raise Refusal(str(reason)) from reason
         if not filling.pieces:
             raise Refusal(
                 f"The image of '{drawing.object_name}' has no drawing any more where the mesh is: make a new "
