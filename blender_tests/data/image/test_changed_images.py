@@ -44,19 +44,23 @@ def pixel_places(obj):
     )[0]
 
 
-@pytest.mark.parametrize("reload", [True, False])
-def test_a_larger_canvas_leaves_drawing_pins_and_poses_in_place(tmp_path, capfd, reload):
+@pytest.mark.parametrize("way", ["reload", "read already", "new version"])
+def test_a_larger_canvas_leaves_drawing_pins_and_poses_in_place(tmp_path, capfd, way):
     obj, path = keyed(tmp_path)
     before, pixels = held(obj), pixel_places(obj)
     art = letter()
     art[55:72, 15:80] = True  # as far as the old canvas
     art = on_canvas(art, (150, 160), (30, 20))
     art[75:92, 110:140] = True  # and beyond it
+    if way == "new version":
+        path = path.with_name("hero_v2.png")
+        bpy.data.images[0].filepath = str(path)
     repaint(path, art)
     capfd.readouterr()
-    if reload:
+    assert changed(obj)
+    if way != "read already":
         assert bpy.ops.planar.remesh(reload=True) == {"FINISHED"}
-    else:  # another day, Blender has read it already
+    else:  # another day
         bpy.data.images[0].reload()
         remesh(obj, source="IMAGE", vertices=300)
     assert "the canvas of 'hero.png' is 150 x 160 pixels instead of 80 x 120" in capfd.readouterr().out

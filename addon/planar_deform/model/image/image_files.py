@@ -48,7 +48,9 @@ def joined(kept: str, other: str) -> str:
     return packed(dict.fromkeys([*unpacked(kept, ()), *unpacked(other, ())]))
 
 
-def size_of(kept: Iterable[ImageFile], name: str) -> tuple[int, int] | None:
-    """Width and height that the image of a file had; None where that is not known."""
-    sizes = {(file.width, file.height) for file in kept if file.name == name}
+def size_of(kept: Sequence[ImageFile], now: Iterable[ImageFile], name: str) -> tuple[int, int] | None:
+    """Width and height that the image of a file had, or the one in whose place it is; None: not known."""
+    names = {file.name for file in now}
+    before = [file for file in kept if file.name == name] or [file for file in kept if file.name not in names]
+    sizes = {(file.width, file.height) for file in before}
     return sizes.pop() if len(sizes) == 1 and 0 not in min(sizes) else None

@@ -38,7 +38,8 @@ def is_changed(obj: bpy.types.Object) -> bool:
 
 def size_before(obj: bpy.types.Object, image: bpy.types.Image) -> tuple[int, int] | None:
     """The size that an image had when the mesh was made of it; None where that is not known."""
-    return image_files.size_of(_kept(obj, _files(obj)), path_of(image).name)
+    now = _files(obj)
+    return image_files.size_of(_kept(obj, now), now, path_of(image).name)
 
 
 def reload(obj: bpy.types.Object) -> None:

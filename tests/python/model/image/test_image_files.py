@@ -29,9 +29,15 @@ def test_files_of_one_name_are_told_apart():
     left, right = ImageFile("body.png", "1/9", 40, 30), ImageFile("body.png", "2/2", 50, 30)
     assert not is_changed([left, right], [right, left])
     assert is_changed([left, right], [left, right._replace(state="3/3")])
-    assert size_of([left, right], "body.png") is None
-    assert size_of([left, ARM], "body.png") == (40, 30)
-    assert size_of([OTHER], "paper.png") is None
+    assert size_of([left, right], [left, right], "body.png") is None
+    assert size_of([left, ARM], [left, ARM], "body.png") == (40, 30)
+    assert size_of([OTHER], [OTHER], "paper.png") is None
+
+
+def test_a_new_version_has_the_size_of_the_one_before_it():
+    version = BODY._replace(name="body_v2.png", state="8/8", width=90)
+    assert size_of([BODY, ARM], [version, ARM], "body_v2.png") == (40, 30)
+    assert size_of([BODY, ARM], [version], "body_v2.png") is None  # of either
 
 
 def test_it_is_stored_as_text():
