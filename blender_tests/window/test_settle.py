@@ -292,6 +292,23 @@ def test_a_press_before_anything_is_solved_takes_nothing_back(window: Window) ->
     assert max(times) < 0.095, max(times)
 
 
+def test_undo_before_anything_is_solved_takes_the_drag_back_and_nothing_else(
+    window: Window,
+) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.drag(window.pixel(RIGHT), window.pixel((1.5, 0.0, 0.4)))
+    before, pins = shape(), pin_data()
+    with all_slowly(0.6):
+        yield from flick(window, 1, 0.3, 0.3)
+        yield from window.undo()
+        assert window.busy == []
+        yield from window.wait(0.8)
+    assert np.array_equal(shape(), before)
+    assert pin_data() == pins
+    yield from window.undo()
+    assert not np.array_equal(shape(), before), "the drag before it"
+
+
 def test_a_script_s_action_during_settling_ends_it(window: Window) -> Iterator[None]:
     yield from large(window)
     with slowly():

@@ -10,7 +10,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..errors import Refusal
-from ..scene.image import file_state, remesh_refusals, remesh_source
+from ..scene.image import canvases, file_state, remesh_refusals, remesh_source
 from ..scene.image.remeshing import Carried, Remesh
 from ..scene.objects.cutout_object import begin
 from .cutting_settings import CuttingSettings
@@ -60,7 +60,9 @@ class PLANAR_OT_remesh(CuttingSettings, LongOperator, bpy.types.Operator):
         source, told = None, ""
         if self.source == "IMAGE":
             try:
-                source = remesh_source.of_images(obj, now, self.settings())
+                fitted, said = canvases.fitted(obj, now)
+                source = remesh_source.of_images(obj, fitted, self.settings())
+                now, told = fitted, "".join(f"; {sentence}" for sentence in said)
             except Refusal as reason:
                 if chosen:
                     raise

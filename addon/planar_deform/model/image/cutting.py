@@ -69,11 +69,13 @@ def cut(
     shown = alpha[window.bottom : window.top, window.left : window.right]
     if not (shown > settings.threshold * OPAQUE).any():
         raise NoArt(_why_empty(shown, settings.threshold))
+    # No edge is longer than the image; the margin would be many times as wide, and take minutes.
+    edge = None if settings.edge is None else min(settings.edge, float(max(shown.shape)))
     try:
         found = native.cutout(
             np.ascontiguousarray(shown),
             vertices=settings.vertices,
-            edge=settings.edge,
+            edge=edge,
             margin=settings.margin,
             threshold=settings.threshold,
             holes=settings.holes,

@@ -13,8 +13,8 @@ from ..plane.cutout import oriented, signed_areas
 from ..plane.frame import Array, Indices
 from ..plane.locate import INSIDE
 from ..work import Progress
-from .art import Art
-from .cutting import Settings, cut
+from .art import OPAQUE, Art
+from .cutting import NoArt, Settings, cut
 from .filling import Filling, Piece
 from .placement import Placement
 
@@ -51,16 +51,20 @@ def recut(
     said: list[str] = []
     taken: set[int] = set()
     sizes = np.abs(signed_areas(rest, triangles))
-    shares = np.array([sizes[np.isin(part_of, layer.parts)].sum() for layer in layers]) / sizes.sum()
+    areas = np.array([sizes[np.isin(part_of, layer.parts)].sum() for layer in layers])
     for number, layer in enumerate(layers):
 
         def tell(share: float, number: int = number) -> bool:
             return progress((number + share) / len(layers))
 
         art = layer.art()
-        wish = replace(settings, vertices=max(3, round(settings.vertices * shares[number])))
+        share = areas[number] / areas.sum() * _times_as_much(layer, art, settings.threshold, areas[number])
+        wish = replace(settings, vertices=max(3, round(settings.vertices * share)))
         window = layer.placement.window if layer.whole else None
-        drawing = cut(art.alpha, wish, window=window, progress=tell)
+        try:
+            drawing = cut(art.alpha, wish, window=window, progress=tell)
+        except NoArt as reason:
+            raise NoArt(f"'{layer.image}' cannot be cut out: {reason}") from reason
         told = drawing.said if art.said is None else [art.said, *drawing.said]
         said += [f"'{layer.image}': {sentence}" for sentence in told]
         among = np.isin(part_of, layer.parts)
@@ -78,6 +82,16 @@ def recut(
     if lost:
         said.append(f"{lost} part{'s have' if lost > 1 else ' has'} no drawing any more")
     return Filling(pieces, tuple(said))
+
+
+def _times_as_much(layer: Layer, art: Art, threshold: float, area: float) -> float:
+    """How many times the art that a layer of an area has is in its image, as others show that as well."""
+    if layer.alone or layer.whole:
+        return 1.0
+    corner, right, up = layer.to_plane(layer.placement.places(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])))
+    (ax, ay), (bx, by) = right - corner, up - corner
+    pixels = np.count_nonzero(art.alpha > threshold * OPAQUE)
+    return max(1.0, float(pixels * abs(ax * by - ay * bx) / area))
 
 
 def _parts_under(middles: Array, rest: Array, triangles: Indices, part_of: Indices) -> Indices:

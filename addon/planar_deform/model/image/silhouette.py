@@ -126,7 +126,7 @@ def shrunk(ends: Array, away: float = AWAY) -> Mask:
     `ends`: the edges of the outline, k x 2 x 2 in samples from the lower left corner, the inside on the left.
     """
     width, height = np.ceil(ends.max(axis=(0, 1))).astype(int) + PAD + int(away)
-    inside, distances = _covered(ends, height, width), _distances(ends, height, width, away)
+    inside, distances = covered(ends, height, width), _distances(ends, height, width, away)
     if not inside.any():  # thinner than a sample
         inside = distances <= 1.0
     core = inside & (distances > away)
@@ -143,8 +143,8 @@ def contour(triangles: Indices) -> Indices:
     return np.repeat(directed, np.abs(net).astype(int), axis=0).astype(np.int32)
 
 
-def _covered(ends: Array, height: int, width: int) -> Mask:
-    """The samples round which the outline goes counter-clockwise."""
+def covered(ends: Array, height: int, width: int) -> Mask:
+    """The samples round which an outline, see shrunk(), goes counter-clockwise."""
     (ax, ay), (bx, by) = ends[:, 0].T, ends[:, 1].T
     first = np.ceil(np.minimum(ay, by) - 0.5).astype(int)
     counts = np.ceil(np.maximum(ay, by) - 0.5).astype(int) - first

@@ -195,6 +195,12 @@ def is_dragged(context: bpy.types.Context, event: bpy.types.Event, press: tuple[
     return bool(event.type == "MOUSEMOVE" and max(abs(event.mouse_x - x), abs(event.mouse_y - y)) >= far)
 
 
+def is_taken_back(event: bpy.types.Event) -> bool:
+    """Whether an event takes back what has been let go but is not shown yet: undo would take back another."""
+    undo: bool = event.type == "Z" and (event.ctrl or event.oskey) and not event.shift
+    return undo or event.type in {"ESC", "RIGHTMOUSE"}
+
+
 class Interactive:
     """Modal part of an operator with a Session in `_session`.
 
@@ -257,7 +263,7 @@ class Interactive:
             if session.catch_up():
                 return self.finish() | {"PASS_THROUGH"}
             # What there is to see of it is not what was asked for: it goes on to that, or not at all.
-            return self.stop() if event.type in {"ESC", "RIGHTMOUSE"} else {"RUNNING_MODAL"}
+            return self.stop() if is_taken_back(event) else {"RUNNING_MODAL"}
         if event.type == "TIMER":
             session.tell_progress(context)
         return self.finish() if session.settled else {"PASS_THROUGH"}

@@ -4,10 +4,16 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
+from hashlib import sha1
+from pathlib import Path
 
 import bpy
 
+from ...model.image import image_files
+from ...model.image.image_files import ImageFile
 from ..storage import migration
+from . import reading
 from .reading import path_of
 
 LOOK = 1.0  # seconds between two looks at a file: panels ask in every redraw
@@ -19,39 +25,69 @@ def remember(obj: bpy.types.Object) -> None:
     """Keep what the files of an object's images are now: its mesh is of them."""
     _seen.clear()
     migration.migrate(obj)
-    obj.planar.image_state = _state(obj)
+    obj.planar.image_state = image_files.packed(_files(obj))
 
 
 def is_changed(obj: bpy.types.Object) -> bool:
     """Whether a file has been written since; not where that is not known, or no file is there."""
-    kept = obj.planar.image_state
-    if not kept:
+    if not obj.planar.image_state:
         return False
-    pairs = zip(kept.split("|"), _state(obj).split("|"), strict=False)
-    return any(then and now and then != now for then, now in pairs)
+    now = _files(obj)
+    return image_files.is_changed(_kept(obj, now), now)
+
+
+def size_before(obj: bpy.types.Object, image: bpy.types.Image) -> tuple[int, int] | None:
+    """The size that an image had when the mesh was made of it; None where that is not known."""
+    now = _files(obj)
+    return image_files.size_of(_kept(obj, now), now, path_of(image).name)
 
 
 def reload(obj: bpy.types.Object) -> None:
-    """Read the object's images again."""
-    for image in images_of(obj):
-        if image.source in {"FILE", "SEQUENCE"} and image.packed_file is None:
-            image.reload()
+    """Read the object's images again. Raises Refusal, with nothing changed, where one cannot be read."""
+    images = [
+        image
+        for image in images_of(obj)
+        if image.source in {"FILE", "SEQUENCE"} and image.packed_file is None
+    ]
+    for image in images:
+        reading.check_readable(image)  # Blender would drop the pixels that it has
+    for image in images:
+        image.reload()
 
 
 def images_of(obj: bpy.types.Object) -> list[bpy.types.Image]:
     """The images that the object's materials show, each once."""
+    return list(dict.fromkeys(node.image for node in _textures(obj)))
+
+
+def _textures(obj: bpy.types.Object) -> list[bpy.types.ShaderNodeTexImage]:
     trees = (slot.material.node_tree for slot in obj.material_slots if slot.material is not None)
     nodes = (node for tree in trees if tree is not None for node in tree.nodes if node.type == "TEX_IMAGE")
-    return list(dict.fromkeys(node.image for node in nodes if node.image is not None))
+    return [node for node in nodes if node.image is not None]
 
 
-def _state(obj: bpy.types.Object) -> str:
-    images = (image for image in images_of(obj) if image.source == "FILE" and image.packed_file is None)
-    return "|".join(_of_file(image) for image in images)
+def _kept(obj: bpy.types.Object, now: Iterable[ImageFile]) -> list[ImageFile]:
+    return image_files.unpacked(obj.planar.image_state, [file.name for file in now])
 
 
-def _of_file(image: bpy.types.Image) -> str:
-    path, now = path_of(image), time.monotonic()
+def _files(obj: bpy.types.Object) -> list[ImageFile]:
+    found: dict[bpy.types.Image, ImageFile] = {}
+    for node in _textures(obj):
+        image = node.image
+        if image in found or image.packed_file is not None:
+            continue
+        name = path_of(image).name
+        if image.source == "FILE":
+            size = image.size if image.has_data else (0, 0)
+            found[image] = ImageFile(name, _of_file(path_of(image)), *size)
+        elif image.source == "SEQUENCE":
+            states = [_of_file(path) for path in reading.frame_paths(image, node.image_user)]
+            found[image] = ImageFile(name, sha1("+".join(states).encode()).hexdigest() if any(states) else "")
+    return list(found.values())
+
+
+def _of_file(path: Path) -> str:
+    now = time.monotonic()
     found = _seen.get(str(path))
     if found is None or now - found[0] > LOOK:
         try:

@@ -47,6 +47,18 @@ def check_file(path: Path) -> None:
         raise Refusal(f"{path} is empty: export it again")
 
 
+def check_readable(image: bpy.types.Image) -> None:
+    """Raises Refusal where the file of an image, of a sequence its first one, cannot be read."""
+    check_file(path_of(image))
+    with _loaded(path_of(image)) as found:
+        if 0 in found.size[:]:
+            raise Refusal(_unreadable(image))
+
+
+def _unreadable(image: bpy.types.Image) -> str:
+    return f"'{image.name}' cannot be read as an image: export it again, as PNG say"
+
+
 def size_of(image: bpy.types.Image) -> tuple[int, int]:
     """Width and height. Raises Refusal where the image cannot be cut out."""
     if image.source == "TILED":
@@ -65,7 +77,7 @@ def size_of(image: bpy.types.Image) -> tuple[int, int]:
     if 0 in (width, height):
         if image.source == "FILE" and image.packed_file is None:
             check_file(path_of(image))
-        raise Refusal(f"'{image.name}' cannot be read as an image: export it again, as PNG say")
+        raise Refusal(_unreadable(image))
     if width * height == 1:
         raise Refusal(f"'{image.name}' has one pixel only: there is nothing to cut out")
     if max(width, height) > MOST_PIXELS:
@@ -100,7 +112,7 @@ def frames(image: bpy.types.Image, user: bpy.types.ImageUser) -> Iterator[Frame]
         pixels = _pixels(image)  # from now on Blender knows its depth
         yield Frame(pixels, image.alpha_mode != "NONE", image.depth not in WITHOUT_ALPHA)
         return
-    paths = [path for path in _frame_paths(image, user) if path.exists()]
+    paths = [path for path in frame_paths(image, user) if path.exists()]
     if not paths:
         raise Refusal(f"'{image.name}' is a sequence without files: find them with File > External Data")
     for path in paths:
@@ -126,13 +138,16 @@ def _pixels(image: bpy.types.Image) -> Array32:
     width, height = image.size
     pixels = np.empty(width * height * image.channels, np.float32)
     if len(image.pixels) != len(pixels):
-        raise Refusal(f"'{image.name}' cannot be read as an image: export it again, as PNG say")
+        raise Refusal(_unreadable(image))
     image.pixels.foreach_get(pixels)
     return pixels.reshape(height, width, image.channels)
 
 
-def _frame_paths(image: bpy.types.Image, user: bpy.types.ImageUser) -> Iterator[Path]:
-    """As Blender counts: the last number in the file's name is the frame's."""
+def frame_paths(image: bpy.types.Image, user: bpy.types.ImageUser) -> Iterator[Path]:
+    """The files of the frames that `user` plays, whether they are there or not.
+
+    As Blender counts: the last number in the file's name is the frame's.
+    """
     first = path_of(image)
     found = re.fullmatch(r"(.*?)(\d+)(\D*)", first.stem)
     if found is None:

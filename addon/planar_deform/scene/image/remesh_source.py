@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
@@ -35,6 +35,8 @@ class Present:
     rest: Array32  # n x 3, object-local
     corners: Indices  # m x 3, the corners of the mesh that triangles have
     triangles: Indices  # m x 3, their vertices, in the order in which they face
+    maps: Mapping[str, Array32]  # the UV maps, corners x 2, by name
+    arts: Mapping[str, Art] = field(default_factory=dict)  # those of images that have been found already
 
     @property
     def part_of(self) -> Indices:
@@ -47,7 +49,8 @@ def present(obj: bpy.types.Object, drawing: CutoutObject) -> Present:
     """Read it."""
     rest = drawing.rest_coordinates()
     corners = triangulation.corner_triangles(obj.data, rest)
-    return Present(drawing, rest, corners, corner_vertices(obj.data)[corners])
+    maps = {layer.name: uv_maps.read(layer) for layer in obj.data.uv_layers}
+    return Present(drawing, rest, corners, corner_vertices(obj.data)[corners], maps)
 
 
 Source = Callable[[Progress], Filling]  # without Blender's data; raises Refusal
@@ -70,7 +73,7 @@ def of_images(obj: bpy.types.Object, now: Present, settings: Settings) -> Source
         try:
             filling = recut(layers, settings, drawing.rest, drawing.cutout.triangles, part_of, progress)
         except NoArt as reason:
-            raise Refusal(f"The image of '{drawing.object_name}' cannot be cut out: {reason}") from reason
+            raise Refusal(str(reason)) from reason
         if not filling.pieces:
             raise Refusal(
                 f"The image of '{drawing.object_name}' has no drawing any more where the mesh is: make a new "
@@ -135,7 +138,7 @@ def _layers(obj: bpy.types.Object, now: Present) -> list[Layer]:
         to_plane = now.drawing.rest_places
         own = np.array(parts, np.int32)
         whole = len(parts) == 1 and _is_plane(now, parts[0], placement)
-        layers.append(Layer(node.image.name, _art(node), placement, to_plane, own, whole, alone))
+        layers.append(Layer(node.image.name, _art(node, now), placement, to_plane, own, whole, alone))
     return layers
 
 
@@ -162,7 +165,7 @@ def _shown(obj: bpy.types.Object, now: Present, part: int) -> tuple[int, Placeme
         raise Refusal(f"A part of '{obj.name}' has several materials: remesh it by its outline")
     node = _texture(obj, int(slots[0]))
     size = reading.size_of(node.image)
-    uvs = uv_maps.read(image_plane.uv_map(obj, node))[corners]
+    uvs = now.maps[image_plane.uv_map(obj, node).name][corners]
     try:
         return int(slots[0]), placed(uvs, now.rest[vertices], np.zeros(3), size)
     except Misfit as misfit:
@@ -191,7 +194,12 @@ def _is_alone(obj: bpy.types.Object, image: bpy.types.Image) -> bool:
     return not any(image in images_of(other) for other in others)
 
 
-def _art(node: bpy.types.ShaderNodeTexImage) -> Callable[[], Art]:
+def _art(node: bpy.types.ShaderNodeTexImage, now: Present) -> Callable[[], Art]:
+    known = now.arts.get(node.image.name)
+    return art_of_node(node) if known is None else lambda: known
+
+
+def art_of_node(node: bpy.types.ShaderNodeTexImage) -> Callable[[], Art]:
     """The art of an image, found when it is asked for; of a sequence it is found at once, frame by frame."""
     frames: Iterator[reading.Frame] = reading.frames(node.image, node.image_user)
     if node.image.source == "SEQUENCE":

@@ -8,7 +8,7 @@ attributes. Data-blocks stay the same ones, so that names, curves, modifiers and
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -87,7 +87,10 @@ class Remesh:
         self._blocks = {block.name: points.read_block(obj, block) for block in blocks}
         stored = rest_shape.stored_of(mesh)
         self._held_rest = stored if keys is not None or stored is None else now.rest
-        self._attributes = attributes.read(mesh)
+        self._attributes = [
+            replace(one, values=now.maps[one.name]) if one.is_map and one.name in now.maps else one
+            for one in attributes.read(mesh)
+        ]
         self._materials, self._smooth = face_settings(mesh)
         self._face_of = face_of_corners(mesh)
         self._groups = members(obj, obj.vertex_groups.keys())

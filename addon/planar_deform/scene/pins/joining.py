@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins that come with a drawing that is joined to another.
+"""Pins that come with a drawing that is joined to another, and what else its object tells of it.
 
 A join keeps the vertex groups, and makes one of those of the same name; the list of pins goes with its
 object. So the lists are remembered, by the owner of the mesh (storage/migration.py), as long as Blender runs.
@@ -15,6 +15,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ...model.image import image_files
 from ..objects import mesh_edits
 from ..objects.mesh_edits import Joined
 from ..storage import vertex_groups
@@ -38,6 +39,7 @@ class _Pin:
 
 _lists: dict[int, list[_Pin]] = {}  # by owner
 _stiffness: dict[int, str] = {}  # by owner, the group in which it is painted
+_images: dict[int, str] = {}  # by owner, what the files of its images were
 
 
 def remember(obj: bpy.types.Object) -> None:
@@ -45,6 +47,7 @@ def remember(obj: bpy.types.Object) -> None:
     owner = mesh_edits.owner_of(obj.data)
     if owner:
         _stiffness[owner] = obj.planar.stiffness_group
+        _images[owner] = obj.planar.image_state
         _lists[owner] = [_remembered(pin, obj.planar.pin_weight) for pin in obj.planar.pins]
 
 
@@ -74,6 +77,7 @@ def take_in(obj: bpy.types.Object, joined: Mapping[int, Joined]) -> None:
                 alone = bool(mine.all()) and pin.group not in used
                 _add(obj, pin, part, owner, None if alone else (vertices[mine], weights[mine]))
         _add_stiffness(obj, _stiffness.get(owner, ""), part)
+        obj.planar.image_state = image_files.joined(obj.planar.image_state, _images.get(owner, ""))
     held = pin_list.groups_of(obj)
     for name in {pin.group for _, pin in pins if pin.owned} - held:
         group = obj.vertex_groups.get(name)
@@ -102,6 +106,7 @@ def forget() -> None:
     """Of another file nothing is known."""
     _lists.clear()
     _stiffness.clear()
+    _images.clear()
 
 
 def _add_stiffness(obj: bpy.types.Object, name: str, part: Joined) -> None:

@@ -112,3 +112,11 @@ def test_nothing_to_cut_out_is_told():
         cut(clear + 60, Settings(threshold=0.5))
     with pytest.raises(NoArt, match="two million|vertices"):
         cut(clear + 255, Settings(edge=1e-3))
+
+
+def test_an_edge_longer_than_the_image_is_as_long_as_that():
+    alpha = np.zeros((60, 80), np.uint8)
+    alpha[20:40, 20:60] = 255
+    longest, longer = (cut(alpha, Settings(edge=edge)) for edge in (80.0, 5000.0))
+    assert np.array_equal(longer.points, longest.points)
+    assert np.ptp(longer.points, axis=0).max() < 80
