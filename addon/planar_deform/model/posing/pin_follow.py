@@ -3,22 +3,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Pin
-from .posing import RAMP_SAMPLES, Poser, Posing, Sample
+from .posing import MOST_REFINEMENTS, RAMP_SAMPLES, Poser, Posing, Sample
 
 STEP = 0.02  # of the size of what is posed, that a pin goes at once, unless the way is too long for that
+TURN = 0.2  # radians that a patch turns at once, in the same way
+
+
+class Goal(NamedTuple):
+    """Where a pin is to go."""
+
+    place: Array  # (2,), or (3,) with its depth
+    angle: float | None = None  # from rest in radians, if a patch is to be turned
 
 
 class PinFollow(Posing):
-    """Takes pins straight to their goals, patches unturned; the others hold.
+    """Takes pins straight to their goals, by the key of a pin; the others hold.
 
-    `goals`: places by the key of a pin. The first value of a sample is the share of the way.
+    The first value of a sample is the share of the way.
     """
 
     def __init__(
@@ -26,7 +36,7 @@ class PinFollow(Posing):
         cutout: Cutout,
         positions: Array,
         pins: Iterable[Pin],
-        goals: Mapping[int, Array],
+        goals: Mapping[int, Goal],
         make_poser: Callable[[], Poser],
     ):
         super().__init__(cutout, positions, pins, goals, make_poser)
@@ -36,20 +46,32 @@ class PinFollow(Posing):
             holder.pin.key: holder.place(positions) for holder in self._holders if self._moves(holder)
         }
 
-    def run(self) -> None:
-        """All the way, the farther in the more steps, and until there is nothing left to do."""
-        size = float(np.linalg.norm(np.ptp(self.positions, axis=0)))
-        steps = int(np.clip(np.ceil(self._farthest() / (STEP * size)), 1, RAMP_SAMPLES))
+    def run(self, most: int = RAMP_SAMPLES, refinements: int = MOST_REFINEMENTS) -> None:
+        """All the way, the farther in the more steps, and until there is nothing left to do, or so often."""
+        steps = int(np.clip(math.ceil(self._steps()), 1, most))
         for step in range(1, steps + 1):
             self.move(step / steps, 0.0, 0.0)
-        self.settle()
+        self.settle(refinements)
 
-    def _farthest(self) -> float:
-        """The longest of the ways that pins have to go."""
-        return max(float(np.linalg.norm(self._goals[key] - place)) for key, place in self._from.items())
+    def _steps(self) -> float:
+        """How many steps the longest of the ways takes that pins have to go."""
+        size = float(np.linalg.norm(np.ptp(self.positions, axis=0)))
+        ways = [float(np.linalg.norm(self._goals[key].place - place)) for key, place in self._from.items()]
+        turns = [
+            abs(goal.angle - angle)
+            for holder, (_, angle) in zip(self._holders, self._starts, strict=True)
+            if (goal := self._goals.get(holder.pin.key)) is not None and goal.angle is not None
+        ]
+        return max(max(ways) / (STEP * size), max(turns, default=0.0) / TURN)
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         if not self._moves(holder):
             return start
-        place = self._from[holder.pin.key]
-        return place + sample[0] * (self._goals[holder.pin.key] - place), start[1]
+        place, goal = self._from[holder.pin.key], self._goals[holder.pin.key]
+        turn = 0.0 if goal.angle is None else goal.angle - start[1]
+        return place + sample[0] * (goal.place - place), start[1] + sample[0] * turn
+
+
+def nearest_turn(angle: float, to: float) -> float:
+    """The same direction by the angle that is at most half a turn from another one."""
+    return to + math.remainder(angle - to, math.tau)

@@ -143,9 +143,9 @@ class Posing:
         ]
         return True
 
-    def settle(self) -> Array:
-        """Refine until there is nothing left to do; n x 2 positions."""
-        while not self.settled:
+    def settle(self, most: int = MOST_REFINEMENTS) -> Array:
+        """Refine until there is nothing left to do, or so often; n x 2 positions."""
+        while not self.settled and self._refinements < most:
             self.move(*self.path[-1])
         return self.positions
 

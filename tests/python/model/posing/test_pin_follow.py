@@ -8,7 +8,7 @@ import pytest
 from cutouts import grid_cutout, pin
 
 from planar_deform import native
-from planar_deform.model.posing.pin_follow import PinFollow
+from planar_deform.model.posing.pin_follow import Goal, PinFollow
 from planar_deform.model.posing.pins import Holder
 from planar_deform.model.posing.posing import RAMP_SAMPLES
 
@@ -19,7 +19,7 @@ def following(offset):
     pins = [pin([0]), pin([43], key=1)]
     goal = Holder(pins[1], cutout).place(cutout.rest) + offset
     poser = partial(native.Poser, cutout.rest, cutout.triangles, method="hold")
-    posing = PinFollow(cutout, cutout.rest, pins, {1: goal}, poser)
+    posing = PinFollow(cutout, cutout.rest, pins, {1: Goal(goal)}, poser)
     posing.run()
     return posing, goal
 
