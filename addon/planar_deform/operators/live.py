@@ -70,7 +70,7 @@ def forget() -> None:
 def changed() -> None:
     """Something was evaluated anew: look soon whether that were controls."""
     # In background no timer ever runs, and the bpy module crashes at exit if one has been registered.
-    if not bpy.app.background and any(live.objects()) and not bpy.app.timers.is_registered(_look):
+    if not bpy.app.background and live.objects() and not bpy.app.timers.is_registered(_look):
         bpy.app.timers.register(_look, first_interval=0.0)
 
 

@@ -19,16 +19,16 @@ from ..pins import controls
 from ..sequence import pose_showing, pose_state
 from . import to_controls
 
-_live: set[str] = set()  # objects with Live on, by name
+_live: dict[int, str] = {}  # the names of objects with Live on, by session_uid
 _paused = False
 
 
 def note(obj: bpy.types.Object) -> None:
     """An object may have been set to follow, or no more to."""
     if obj.library is None and obj.is_property_set("planar") and obj.planar.live:
-        _live.add(obj.name)
+        _live[obj.session_uid] = obj.name
     else:
-        _live.discard(obj.name)
+        _live.pop(obj.session_uid, None)
 
 
 def note_all() -> None:
@@ -43,14 +43,14 @@ def forget() -> None:
     _live.clear()
 
 
-def objects() -> Iterator[bpy.types.Object]:
+def objects() -> list[bpy.types.Object]:
     """Those with Live on."""
-    for name in sorted(_live):
-        obj = bpy.data.objects.get(name)
-        if obj is None:
-            _live.discard(name)  # renamed ones have been noted by their new name
-        else:
-            yield obj
+    found = {uid: bpy.data.objects.get(name) for uid, name in _live.items()}
+    if any(obj is None or obj.session_uid != uid for uid, obj in found.items()):  # renamed, or gone
+        found = {obj.session_uid: obj for obj in bpy.data.objects if obj.session_uid in _live}
+        _live.clear()
+        _live.update({uid: obj.name for uid, obj in found.items()})
+    return [obj for obj in found.values() if obj is not None]
 
 
 def switched(obj: bpy.types.Object) -> None:
