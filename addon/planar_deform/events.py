@@ -61,7 +61,8 @@ def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> 
         changes.tell_frame(obj)
         if depsgraph.mode == "VIEWPORT":
             follow.match_uv_map(obj, depsgraph)
-    follow.activate_shown_pose(scene, depsgraph)
+    if not live_frames.is_paused():
+        follow.activate_shown_pose(scene, depsgraph)
     live.follow_frame(scene, depsgraph)
     if depsgraph.mode == "VIEWPORT":
         live.changed()

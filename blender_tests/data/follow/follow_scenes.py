@@ -85,3 +85,34 @@ def swinging(control, frames=(1, 9, 17), offsets=((0, 0, 0), (0.1, 0.0, 0.35), (
         control.location = start + Vector(offset)
         control.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(frames[0])
+
+
+def film(obj, frames):
+    """What Blender shows at frames, in this order."""
+    shapes = {}
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        shapes[frame] = evaluated(obj)
+    return shapes
+
+
+def keyed(obj, *poses):
+    """Poses at frames, by a drag of the pin at the right from where it is at rest."""
+    for frame, offset in poses:
+        bpy.context.scene.frame_set(frame)
+        bpy.ops.planar.reset_to_rest()
+        bpy.ops.planar.drag_pins(pin=1, offset=offset)
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+
+
+def in_poses(*, live=False):
+    """A drawing with poses at 1, 9 and 17, whose hand they lead, and whose tip follows an Empty."""
+    obj = imported()
+    add_pins(obj, [26], [64], [12])
+    keyed(obj, (1, (0.0, 0.0)), (9, (-0.2, 0.4)), (17, (-0.2, -0.1)))
+    control = empty(held(obj, [12]) + np.array((0.0, -0.5, 0.0)))
+    obj.planar.pins[2].follow = control
+    swinging(control, offsets=((0, 0, 0), (-0.1, 0, 0.3), (0.1, 0, 0.1)))
+    activate(obj)
+    obj.planar.live = live
+    return obj, control

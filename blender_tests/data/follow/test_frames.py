@@ -4,20 +4,23 @@
 import bpy
 import numpy as np
 import pytest
-from follow_scenes import HAND, angle, axes, empty, held, imported, swinging, turned, with_control
+from follow_scenes import (
+    HAND,
+    angle,
+    axes,
+    empty,
+    film,
+    held,
+    imported,
+    in_poses,
+    swinging,
+    turned,
+    with_control,
+)
 from support import activate, add_pins, coordinates, evaluated, world
 
 CLOSE = 4e-3
 SAME = 2e-6  # of a drawing 2 long in its own space: roundings of float32
-
-
-def film(obj, frames):
-    """What Blender shows at frames, in this order."""
-    shapes = {}
-    for frame in frames:
-        bpy.context.scene.frame_set(frame)
-        shapes[frame] = evaluated(obj)
-    return shapes
 
 
 def alive(**options):
@@ -46,27 +49,6 @@ def test_the_drawing_is_with_its_control_in_every_frame(parented):
     assert np.ptp(reach, axis=0).max() > 0.3
     bpy.context.scene.frame_set(6, subframe=0.5)
     assert_at_control(obj, control, offset)
-
-
-def keyed(obj, *poses):
-    """Poses at frames, by a drag of the pin at the right from where it is at rest."""
-    for frame, offset in poses:
-        bpy.context.scene.frame_set(frame)
-        bpy.ops.planar.reset_to_rest()
-        bpy.ops.planar.drag_pins(pin=1, offset=offset)
-        assert bpy.ops.planar.key_pose() == {"FINISHED"}
-
-
-def in_poses():
-    """A drawing with poses at 1, 9 and 17, whose hand they lead, and whose tip follows an Empty."""
-    obj = imported()
-    add_pins(obj, [26], [64], [12])
-    keyed(obj, (1, (0.0, 0.0)), (9, (-0.2, 0.4)), (17, (-0.2, -0.1)))
-    control = empty(held(obj, [12]) + np.array((0.0, -0.5, 0.0)))
-    obj.planar.pins[2].follow = control
-    swinging(control, offsets=((0, 0, 0), (-0.1, 0, 0.3), (0.1, 0, 0.1)))
-    activate(obj)
-    return obj, control
 
 
 SCENES = {

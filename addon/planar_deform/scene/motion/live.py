@@ -63,13 +63,18 @@ def switched(obj: bpy.types.Object) -> None:
 
 @contextlib.contextmanager
 def paused() -> Iterator[None]:
-    """Frames are gone through to look at them: nothing follows."""
+    """Frames are gone through only to look at them: nothing follows that."""
     global _paused
     before, _paused = _paused, True
     try:
         yield
     finally:
         _paused = before
+
+
+def is_paused() -> bool:
+    """Whether the frame changes only to be looked at."""
+    return _paused
 
 
 def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
