@@ -12,10 +12,10 @@ import numpy as np
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Pin
-from .posing import MOST_REFINEMENTS, RAMP_SAMPLES, Poser, Posing, Sample
+from .posing import RAMP_SAMPLES, Poser, Posing, Sample
 
-STEP = 0.02  # of the size of what is posed, that a pin goes at once, unless the way is too long for that
-TURN = 0.2  # radians that a patch turns at once, in the same way
+STEP = 0.1  # of the size of what is posed, that a pin goes at once, unless the way is too long for that
+TURN = 0.5  # radians that a patch turns at once, in the same way
 
 
 class Goal(NamedTuple):
@@ -46,12 +46,16 @@ class PinFollow(Posing):
             holder.pin.key: holder.place(positions) for holder in self._holders if self._moves(holder)
         }
 
-    def run(self, most: int = RAMP_SAMPLES, refinements: int = MOST_REFINEMENTS) -> None:
-        """All the way, the farther in the more steps, and until there is nothing left to do, or so often."""
-        steps = int(np.clip(math.ceil(self._steps()), 1, most))
+    def run(self) -> None:
+        """All the way, the farther in the more steps, and until there is nothing left to do.
+
+        That is the solver's own matter: nobody sees what is between, as after a drag.
+        """
+        steps = int(np.clip(math.ceil(self._steps()), 1, RAMP_SAMPLES))
         for step in range(1, steps + 1):
             self.move(step / steps, 0.0, 0.0)
-        self.settle(refinements)
+        assert self._poser is not None  # something has been moved
+        self.positions = self._poser.settle()
 
     def _steps(self) -> float:
         """How many steps the longest of the ways takes that pins have to go."""

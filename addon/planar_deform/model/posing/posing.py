@@ -37,6 +37,8 @@ class Poser(Protocol):
 
     def refine(self) -> Array: ...
 
+    def settle(self) -> Array: ...
+
 
 @dataclass(frozen=True)
 class PinResult:
@@ -143,9 +145,9 @@ class Posing:
         ]
         return True
 
-    def settle(self, most: int = MOST_REFINEMENTS) -> Array:
-        """Refine until there is nothing left to do, or so often; n x 2 positions."""
-        while not self.settled and self._refinements < most:
+    def settle(self) -> Array:
+        """Refine until there is nothing left to do; n x 2 positions."""
+        while not self.settled:
             self.move(*self.path[-1])
         return self.positions
 

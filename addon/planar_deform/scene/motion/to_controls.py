@@ -31,10 +31,6 @@ from ..pins import controls, pin_list
 from ..sequence import pose_state
 
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
-# Steps at most from the shape that a frame begins with to its own, and refinements behind them: a frame has
-# some 40 ms. Most poses have settled after ten of both; where pins contradict each other they never do.
-STEPS = 3
-REFINEMENTS = 12
 
 
 def solve(obj: bpy.types.Object, drawing: PosedObject, frame: float, depsgraph: bpy.types.Depsgraph) -> None:
@@ -82,7 +78,7 @@ def at_frame(
         holder.holding(replace(holder.pin, target=None, angle=0.0), drawing.cutout) for holder in holders
     ]
     posing = followed(obj, drawing, unposed, begin, depsgraph, read_at, standing)
-    posing.run(STEPS, REFINEMENTS)
+    posing.run()
     return posing, None if shown is None else drawing.moved(shown, posing.positions)
 
 
