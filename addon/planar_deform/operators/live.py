@@ -30,6 +30,7 @@ LOCK = (
     "the picture does not show what its pins follow. Turn on Lock Interface in the Render menu, render in "
     "background, or use Bake Pins"
 )
+LATTICE = "the picture does not show what the pins of this lattice follow: use Bake Pins"
 
 CLASSES = ()
 
@@ -92,7 +93,7 @@ def follow_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None
         try:
             if not live.shows_frame(obj, scene, depsgraph) and not _told:
                 _told = True
-                _tell(f"{obj.name}: {LOCK}", "Live Is Not Rendered")
+                _tell(f"{obj.name}: {LATTICE if obj.type == 'LATTICE' else LOCK}", "Live Is Not Rendered")
         except (Refusal, ObjectGone) as refusal:
             _go_off(obj, str(refusal))
 

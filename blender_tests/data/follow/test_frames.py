@@ -354,3 +354,17 @@ def test_what_is_disabled_in_renders_is_told_there(tmp_path, capsys):
     control.hide_render = True
     rendered(obj, tmp_path)
     assert "'Control', which pin 'Pin.001' follows, is disabled in renders" in capsys.readouterr().out
+
+
+def test_a_lattice_is_not_followed_in_renders_which_is_told_once(tmp_path, capsys):
+    obj = imported()
+    bpy.ops.planar.fit_lattice(resolution=(8, 6))
+    cage = bpy.context.object
+    for vertex in (26, 38):
+        bpy.ops.planar.add_pin(location=held(obj, [vertex]), extend=True)
+    bpy.ops.planar.add_controls()
+    swinging(cage.planar.pins[1].follow)
+    rendered(obj, tmp_path)
+    said = capsys.readouterr().out
+    assert said.count("the picture does not show what the pins of this lattice follow: use Bake Pins") == 1
+    assert cage.planar.live

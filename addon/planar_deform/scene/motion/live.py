@@ -80,15 +80,17 @@ def is_paused() -> bool:
 def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     """After a change of the frame: let a drawing with Live on show what belongs to it.
 
-    Whether it does; not so where it must not be written. What lattices deform follows later, as all does that
-    is not in the depsgraph. Raises Refusal and ObjectGone.
+    Whether the frame shows that; not so where it must not be written now. What lattices deform follows later,
+    in no render. Raises Refusal and ObjectGone.
     """
-    if _paused or obj.type != "MESH" or obj.mode != "OBJECT" or not obj.evaluated_get(depsgraph).is_evaluated:
+    if _paused or obj.mode != "OBJECT" or not obj.evaluated_get(depsgraph).is_evaluated:
         return True
     frame = scene.frame_current_final
     stamp = controls.stamp(obj, frame, depsgraph)
     if not stamp or (stamp == obj.planar.followed and _shows_it(obj)):
         return True
+    if obj.type == "LATTICE":
+        return depsgraph.mode != "RENDER"
     if _is_drawn(scene, depsgraph):
         return False
     reason = posing_refusal(obj)
@@ -103,7 +105,7 @@ def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.ty
 
 def _shows_it(obj: bpy.types.Object) -> bool:
     """Whether the frame has not shown a pose again."""
-    return not pose_state.is_ours(obj) or pose_state.unkeyed(obj)
+    return obj.type == "LATTICE" or not pose_state.is_ours(obj) or pose_state.unkeyed(obj)
 
 
 def _is_drawn(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:

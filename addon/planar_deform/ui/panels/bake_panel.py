@@ -11,7 +11,6 @@ from ...scene.sequence import pose_state
 from .tab import PlanarPanel
 
 ICONS = {
-    "POSES": "KEY_HLT",
     "SHAPES": "SHAPEKEY_DATA",
     "POINT_CACHE": "FILE_CACHE",
     "RELATIVE_KEYS": "EXPORT",

@@ -7,7 +7,6 @@ import bpy
 
 from ...scene.motion.bake_pins import FORMS
 from ...scene.pins import controls, pin_list
-from .bake_panel import ICONS
 from .tab import PlanarPanel
 
 
@@ -33,9 +32,8 @@ class PLANAR_PT_follow(PlanarPanel, bpy.types.Panel):
         row.prop(settings, "live", toggle=True)
         row.operator("planar.follow_now", icon="TRACKER")
         row = layout.row(align=True)
-        row.label(text="Bake")
         for form, name, _ in FORMS:
-            row.operator("planar.bake_pins", text=name, icon=ICONS[form]).to = form
+            row.operator("planar.bake_pins", text=f"Bake {name}").to = form
         if settings.live and not context.scene.render.use_lock_interface:
             layout.prop(context.scene.render, "use_lock_interface", text="Lock Interface in Renders")
 
