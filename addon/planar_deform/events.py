@@ -11,7 +11,7 @@ from bpy.app.handlers import persistent
 
 from . import compat
 from .errors import try_all
-from .model.posing import solver_cache, solving
+from .model.posing import solved_shapes, solver_cache, solving
 from .operators import live, stiffness
 from .operators.modal import running
 from .scene import follow
@@ -112,6 +112,7 @@ RESET: tuple[Callable[[], None], ...] = (
     running.stop_clocks,
     solving.halt,
     solver_cache.clear,
+    solved_shapes.clear,
     triangulation.forget,
     cutout_object.forget,
     changes.tell_all,

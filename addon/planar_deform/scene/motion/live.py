@@ -90,7 +90,7 @@ def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.ty
     if not stamp or (stamp == obj.planar.followed and _shows_it(obj)):
         return True
     if obj.type == "LATTICE":
-        return depsgraph.mode != "RENDER"
+        return bool(depsgraph.mode != "RENDER")
     if _is_drawn(scene, depsgraph):
         return False
     reason = posing_refusal(obj)
