@@ -114,6 +114,30 @@ def test_the_timeline_plays_it(window: Window) -> Iterator[None]:
         assert np.abs(shape(drawing()) - shapes[frame]).max() < 1e-5, "as it was played"
 
 
+def test_a_bake_is_ended_by_escape(window: Window) -> Iterator[None]:
+    yield from ready(window)
+    swinging()
+    bpy.context.scene.frame_end = 2000
+    bpy.context.scene.frame_set(5)
+    activate(drawing())
+    yield from window.wait(0.3)
+    before, pins = shape(drawing()), pin_data(drawing())
+    with window.context():
+        assert bpy.ops.planar.bake_pins("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    yield from window.wait(1.0)
+    assert addon("operators.modal.running").now() is not None, "it is under way"
+    yield from window.key("ESC")
+    yield from window.wait(0.5)
+    assert addon("operators.modal.running").now() is None
+    assert drawing().data.shape_keys is None
+    assert bpy.context.scene.frame_current == 5
+    assert np.array_equal(shape(drawing()), before), "to the bit"
+    assert pin_data(drawing()) == pins
+    assert drawing().planar.live
+    bpy.context.scene.frame_set(10)
+    assert np.linalg.norm(hand() - control().matrix_world.translation) < 0.03, "and Live goes on"
+
+
 def rendered(window: Window, folder: Path, *, lock: bool) -> Iterator[None]:
     """A film of the first and the highest frame, rendered as from the Render menu."""
     scene = bpy.context.scene
