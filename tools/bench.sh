@@ -17,6 +17,7 @@ tools/apt.sh "${benchmark_packages[@]}"
 build/release/benchmarks/planar_benchmarks
 tools/setup.sh test
 .venv/bin/python blender_tests/data/dense_cost.py
+.venv/bin/python blender_tests/data/follow_cost.py
 .venv/bin/python blender_tests/data/lattice_cost.py
 tools/window_tests.sh blender_tests/window/event_cost.py
 tools/figures.sh

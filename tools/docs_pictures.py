@@ -11,6 +11,7 @@ import bpy
 import harness  # type: ignore[import-not-found]
 import test_first_shot as first_shot  # type: ignore[import-not-found]  # tests of the window run in the harness
 from harness import addon
+from mathutils import Vector
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -324,6 +325,37 @@ def test_lattice(window: Any) -> Iterator[None]:
         yield from window.key("ESC")
     finally:
         bpy.utils.register_class(pins)
+
+
+def test_follow(window: Any) -> Iterator[None]:
+    """Controls at some pins of the fox, of which the lantern's has been moved and the tail's raised."""
+    panel = addon("ui.panels.follow_panel").PLANAR_PT_follow
+    bpy.utils.unregister_class(panel)
+    panel.bl_options = set()  # open from the first time that it is drawn
+    bpy.utils.register_class(panel)
+    try:
+        yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 6.6)
+        yield from large_view(window)
+        window.area.spaces.active.overlay.show_extras = True  # Empties are among them
+        obj = bpy.context.object
+        for other in bpy.context.view_layer.objects:
+            other.hide_set(other != obj)
+        for pin in obj.planar.pins:
+            pin.select = pin.name in {"Near Hand", "Lantern", "Head", "Tail Tip"}
+        obj.planar.active_pin = obj.planar.pins.find("Lantern")
+        with window.context():
+            bpy.ops.planar.add_controls()
+        for name, by in (("Lantern", (0.75, 0.3)), ("Tail Tip", (0.0, 0.4))):
+            obj.planar.pins[name].follow.matrix_world.translation += Vector((by[0], 0.0, by[1]))
+        bpy.context.view_layer.objects.active = obj
+        obj.select_set(True)
+        yield from window.hover((700, 300))
+        yield from window.wait(1.0)
+        save("follow", shot(window, "follow", window.area))
+    finally:
+        bpy.utils.unregister_class(panel)
+        panel.bl_options = {"DEFAULT_CLOSED"}
+        bpy.utils.register_class(panel)
 
 
 def test_record(window: Any) -> Iterator[None]:

@@ -11,12 +11,13 @@ from bpy.app.handlers import persistent
 
 from . import compat
 from .errors import try_all
-from .model.posing import solver_cache, solving
-from .operators import live_targets, stiffness
+from .model.posing import solved_shapes, solver_cache, solving
+from .operators import live, stiffness
 from .operators.modal import running
 from .scene import follow
 from .scene.image import file_state, preview, reading
 from .scene.lattice import reaching, rig
+from .scene.motion import live as live_frames
 from .scene.objects import cutout_object, lattice_edits, triangulation
 from .scene.pins import following
 from .scene.sequence import pose_showing
@@ -45,9 +46,9 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     for obj in dict.fromkeys(changed):
         follow.match(obj)
         follow.match_uv_map(obj, depsgraph)
-        live_targets.note(obj)
+        live_frames.note(obj)
     stiffness.changed()
-    live_targets.changed()
+    live.changed()
 
 
 def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -60,9 +61,11 @@ def _on_frame_change(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> 
         changes.tell_frame(obj)
         if depsgraph.mode == "VIEWPORT":
             follow.match_uv_map(obj, depsgraph)
-    follow.activate_shown_pose(scene, depsgraph)
+    if not live_frames.is_paused():
+        follow.activate_shown_pose(scene, depsgraph)
+    live.follow_frame(scene, depsgraph)
     if depsgraph.mode == "VIEWPORT":
-        live_targets.changed()
+        live.changed()
 
 
 def _before_undo(*_: object) -> None:
@@ -75,7 +78,7 @@ def _after_undo(*_: object) -> None:
     following.undone()
     pose_showing.undone()
     stiffness.undone()
-    live_targets.note_all()
+    _note_live()
 
 
 def _before_load(*_: object) -> None:
@@ -86,7 +89,17 @@ def _after_load(*_: object) -> None:
     _on_new_data()
     for obj in bpy.data.objects:
         follow.match(obj)
-    live_targets.note_all()
+    _note_live()
+
+
+def _note_live() -> None:
+    live.forget()
+    live_frames.note_all()
+    live.changed()
+
+
+def _before_render(*_: object) -> None:
+    live.render_begins()
 
 
 def _on_new_data(*_: object) -> None:
@@ -99,6 +112,7 @@ RESET: tuple[Callable[[], None], ...] = (
     running.stop_clocks,
     solving.halt,
     solver_cache.clear,
+    solved_shapes.clear,
     triangulation.forget,
     cutout_object.forget,
     changes.tell_all,
@@ -111,7 +125,8 @@ RESET: tuple[Callable[[], None], ...] = (
     coarseness.forget,
     file_state.forget,
     stiffness.forget,
-    live_targets.forget,
+    live.forget,
+    live_frames.forget,
     following.forget,
     lattice_edits.forget,
     preview.forget,
@@ -128,6 +143,7 @@ HANDLERS: dict[str, Callable[..., None]] = {  # of bpy.app.handlers, by name
     "redo_post": _after_undo,
     "load_pre": _before_load,
     "load_post": _after_load,
+    "render_init": _before_render,
     **dict.fromkeys(("save_pre", *compat.AFTER_IMPORT), _on_new_data),
 }
 

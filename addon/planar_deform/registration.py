@@ -18,9 +18,10 @@ from .operators import (
     cutout,
     drag,
     flatten,
+    follow,
     inbetweens,
     lattice,
-    live_targets,
+    live,
     motion,
     pin_radius,
     pins,
@@ -32,7 +33,6 @@ from .operators import (
     rest,
     settle,
     stiffness,
-    targets,
 )
 from .scene import properties
 from .ui import menus
@@ -40,6 +40,7 @@ from .ui.draw import cutout_preview, gestures, mesh_edges, onion_skin, quality
 from .ui.panels import (
     bake_panel,
     flatten_panel,
+    follow_panel,
     lattice_panel,
     motion_panel,
     pins_panel,
@@ -73,8 +74,8 @@ MODULES = (
     breakdown,
     lattice,
     flatten,
-    targets,
-    live_targets,
+    follow,
+    live,
     batch,
     gizmos,
     pin_menu,
@@ -86,6 +87,7 @@ MODULES = (
     cutout_preview,
     onion_skin,
     pins_panel,
+    follow_panel,
     posing_panel,
     poses_panel,
     lattice_panel,

@@ -52,6 +52,17 @@ def test_script_of_the_lattices_page():
     assert np.allclose(coordinates(data.points, "co_deform")[0], corner, atol=0.02)
 
 
+def test_script_of_the_follow_page():
+    obj = standing_sheet()
+    for place in ((-0.5, 0.0, 0.0), (0.5, 0.0, 1.0)):
+        bpy.ops.planar.add_pin(location=place)  # the new pin is the selected one
+    exec(script_of("follow.md").replace("pins[0]", "pins[1]"), {})
+    assert [pose.frame for pose in obj.planar.poses] == list(range(1, 14))
+    bpy.context.scene.frame_set(13)
+    assert np.allclose(evaluated(obj)[80], (0.5, 0.0, 1.4), atol=0.02)
+    assert not obj.planar.live
+
+
 def test_script_of_the_poses_page():
     obj = standing_sheet()
     bpy.ops.planar.add_pin(location=(-0.5, 0.0, 0.5))

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import contextlib
 from functools import partial
 
 import bpy
+import numpy as np
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -21,7 +23,9 @@ from bpy.props import (
 from ..errors import Refusal, try_all
 from ..model.timing.ease import EASES
 from .flatten import pushing
+from .motion import follow_offset, live
 from .objects.any_object import shape_refusal
+from .pins import controls
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
 from .storage import cage, migration
@@ -52,6 +56,31 @@ def _is_mesh(_pin: PlanarPin, obj: bpy.types.Object) -> bool:
     return bool(obj.type == "MESH")
 
 
+def _follow(pin: PlanarPin, _context: bpy.types.Context) -> None:
+    """What is to be followed was chosen by hand: the pin stays where it is beside it from now on."""
+    if pin.follow is None or controls.is_given():
+        return
+    pose = pin.follow.pose
+    if pin.follow_bone and (pose is None or pin.follow_bone not in pose.bones):
+        with controls.given():
+            pin.follow_bone = ""
+    try:
+        follow_offset.keep(pin.id_data, [_index_of(pin)])
+    except Refusal as refusal:
+        pin.follow = None
+        tell(str(refusal), title="Not Followed")
+
+
+def _follow_bone(pin: PlanarPin, _context: bpy.types.Context) -> None:
+    if pin.follow is not None and not controls.is_given():
+        with contextlib.suppress(Refusal):  # of a bone that is not there, which is told when it is looked for
+            follow_offset.keep(pin.id_data, [_index_of(pin)])
+
+
+def _index_of(pin: PlanarPin) -> int:
+    return next(index for index, other in enumerate(pin.id_data.planar.pins) if other == pin)
+
+
 class PlanarPin(bpy.types.PropertyGroup):
     """A pin: a vertex group and how it holds the drawing, or a point of the lattice that it poses."""
 
@@ -75,13 +104,21 @@ class PlanarPin(bpy.types.PropertyGroup):
     lattice_point: IntProperty(default=-1, options={"HIDDEN"})  # the lattice's own point that it holds
     follow: PointerProperty(
         type=bpy.types.Object,
-        name="Target",
-        description="Object to whose origin Solve to Targets takes the pin",
+        name="Follow",
+        description="Object that the pin follows, from where it is beside it when this is chosen",
+        update=_follow,
         options=NOT_ANIMATED,
     )
     follow_bone: StringProperty(
-        name="Bone", description="Bone of the target whose head it is instead", options=NOT_ANIMATED
+        name="Bone",
+        description="Bone of the armature that the pin follows instead",
+        update=_follow_bone,
+        options=NOT_ANIMATED,
     )
+    # The pin's matrix in the space of what it follows, row by row; and the direction in the object's own
+    # space that is the first axis of that matrix where the pin is not turned.
+    follow_offset: FloatVectorProperty(size=16, default=np.eye(4).ravel().tolist(), options={"HIDDEN"})
+    follow_axis: FloatVectorProperty(size=3, default=(1.0, 0.0, 0.0), options={"HIDDEN"})
     owns_group: BoolProperty(options={"HIDDEN"})  # the group was made for this pin and goes with it
     kind: EnumProperty(
         name="Kind",
@@ -185,8 +222,8 @@ class PlanarPose(bpy.types.PropertyGroup):
 
 
 def _set_live(settings: PlanarSettings, context: bpy.types.Context) -> None:
-    settings.followed = ""  # the pins may have been anywhere since
     _number(settings, context)
+    live.switched(settings.id_data)
 
 
 def _number(settings: PlanarSettings, _context: bpy.types.Context) -> None:
@@ -355,13 +392,13 @@ class PlanarSettings(bpy.types.PropertyGroup):
     live: BoolProperty(
         name="Live",
         description=(
-            "Let the pins follow their targets while these are moved and the frame is changed, but not while "
-            "the timeline plays. What is shown is keyed only by Key Pose"
+            "Let the pins follow what they are to follow while that is moved, and in every frame that is "
+            "played or rendered. What is shown is keyed only by Key Pose"
         ),
         update=_set_live,
         options=NOT_ANIMATED,
     )
-    # Where the targets were that the pins have followed last, as targets.stamp() tells it.
+    # Where what the pins follow was when they have followed it last, as controls.stamp() tells it.
     followed: StringProperty(options={"HIDDEN"})
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ..scene.motion.bake import FORMS
+from ..scene.motion.bake_pins import FORMS as PIN_FORMS
 
 
 class PlanarMenu:
@@ -67,8 +68,6 @@ class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         column = self.column
         column.operator("planar.settle_pose")
-        column.operator("planar.solve_to_targets", icon="TRACKER")
-        column.operator("planar.bake_targets", icon="REC")
         column.operator("planar.reset_selected_pins")
         column.operator("planar.reset_to_rest")
         column.operator("planar.set_rest_to_current")
@@ -79,6 +78,22 @@ class PLANAR_MT_posing(PlanarMenu, bpy.types.Menu):
         column.separator()
         column.operator("planar.paint_stiffness", icon="BRUSH_DATA")
         column.operator("planar.refine_mesh", icon="MOD_SUBSURF")
+
+
+class PLANAR_MT_follow(PlanarMenu, bpy.types.Menu):
+    bl_label = "Follow"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.column
+        column.operator("planar.add_controls", icon="EMPTY_DATA")
+        column.operator("planar.follow_bones", icon="BONE_DATA")
+        column.separator()
+        column.operator("planar.follow_now", icon="TRACKER")
+        column.operator("planar.set_follow_offset")
+        column.operator("planar.clear_follow_offset")
+        column.separator()
+        for form, name, _ in PIN_FORMS:
+            column.operator("planar.bake_pins", text=f"Bake Pins to {name}").to = form
 
 
 class PLANAR_MT_poses(PlanarMenu, bpy.types.Menu):
@@ -144,6 +159,7 @@ MENUS = (
     PLANAR_MT_cutout,
     PLANAR_MT_pins,
     PLANAR_MT_posing,
+    PLANAR_MT_follow,
     PLANAR_MT_poses,
     PLANAR_MT_motion,
     PLANAR_MT_lattice,

@@ -276,7 +276,7 @@ def test_pins_on_what_is_hidden_say_so(hide):
     hide(front)
     activate(cage)
     before = points(cage)
-    for pose in (partial(bpy.ops.planar.drag_pins, offset=(0.1, 0.0)), bpy.ops.planar.solve_to_targets):
+    for pose in (partial(bpy.ops.planar.drag_pins, offset=(0.1, 0.0)), bpy.ops.planar.follow_now):
         bpy.ops.planar.select_pins(action="SELECT", pin=1)
         with pytest.raises(RuntimeError, match="'Front' is hidden, and its pins wait until it is shown"):
             pose()

@@ -17,7 +17,7 @@ from planar_deform.scene.storage import points as storage
 
 POLLED = (
     *("generate_inbetweens", "copy_pose", "paste_pose", "mirror_pose", "record_pins", "breakdown"),
-    *("thin_poses", "edit_sequence", "transfer_motion", "bake_targets", "key_pose"),
+    *("thin_poses", "edit_sequence", "transfer_motion", "bake_pins", "key_pose"),
 )
 PATH = base64.b64encode(np.array([(0.0, 0.0, 0.0), (0.1, 0.0, 0.0)], "<f4").tobytes()).decode()
 

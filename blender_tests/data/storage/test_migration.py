@@ -159,7 +159,8 @@ OPERATORS = (
     *("key_pose", "delete_pose", "jump_to_pose", "clear_poses", "update_pose", "duplicate_pose"),
     *("retime_pose", "step_poses", "generate_inbetweens", "remove_inbetweens", "breakdown", "record_pins"),
     *("edit_sequence", "thin_poses", "transfer_motion", "bake", "refine_mesh", "remesh"),
-    *("fit_lattice", "add_to_lattice", "apply_lattice", "solve_to_targets", "bake_targets"),
+    *("fit_lattice", "add_to_lattice", "apply_lattice", "follow_now", "bake_pins", "add_controls"),
+    *("follow_bones", "set_follow_offset", "clear_follow_offset"),
     *("flatten", "push_to_uv_map", "refresh_from_surface", "export_pattern"),
     *("cutout_from_image", "choose_images", "make_cutout"),
 )

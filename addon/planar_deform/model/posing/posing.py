@@ -37,6 +37,8 @@ class Poser(Protocol):
 
     def refine(self) -> Array: ...
 
+    def settle(self) -> Array: ...
+
 
 @dataclass(frozen=True)
 class PinResult:
@@ -189,12 +191,18 @@ class Posing:
         return holder.handle_targets(target, angle)
 
     def _set_handles(self, poser: Poser) -> None:
+        triangles, corners, weights, groups = self._told()
+        poser.set_handles((triangles, corners), weights=weights, groups=groups)
+
+    def _told(self) -> tuple[Indices, Array, Array, Indices]:
+        """Triangles and barycentric weights of all handles, how strong they are, and of which pin."""
         parts = [holder.handle_vertices() for holder in self._holders]
         counts = [len(triangles) for triangles, _ in parts]
-        poser.set_handles(
-            (np.concatenate([triangles for triangles, _ in parts]), np.concatenate([w for _, w in parts])),
-            weights=np.repeat([holder.pin.weight for holder in self._holders], counts),
-            groups=np.repeat(np.arange(len(parts)), counts),
+        return (
+            np.concatenate([triangles for triangles, _ in parts]),
+            np.concatenate([corners for _, corners in parts]),
+            np.repeat([holder.pin.weight for holder in self._holders], counts),
+            np.repeat(np.arange(len(parts)), counts).astype(np.int32),
         )
 
 

@@ -129,6 +129,16 @@ class FlatObject:
         """Plane coordinates k x 2 of k x 3 world points."""
         return self.frame.flatten(places - self._origin)
 
+    def axis_to_world(self, axis: Array) -> Array:
+        """The direction in the world (3,) of one in the object's space."""
+        turned: Array = mapped(axis[None, :], self._linear)[0]
+        return turned
+
+    def axis_from_world(self, axis: Array) -> Array:
+        """The same back."""
+        turned: Array = mapped(axis[None, :], self._inverse)[0]
+        return turned
+
     def flattened(self, shape: Array32) -> Array:
         """Plane coordinates n x 2 of any shape of the object, see storage/points.py. Raises Refusal."""
         places = shape[self._used, :3].astype(np.float64)

@@ -233,5 +233,6 @@ def _carry(moved: bpy.types.Object, done: Affine, turned_over: bool) -> None:
         if obj.data == mesh and obj.is_property_set("planar"):
             for pin in obj.planar.pins:
                 pin.target, pin.reached = done.of(np.array([pin.target, pin.reached]))
+                pin.follow_axis = done.linear @ np.array(pin.follow_axis)
                 if turned_over:
                     pin.angle = -pin.angle

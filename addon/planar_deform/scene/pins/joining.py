@@ -20,10 +20,13 @@ from ..objects import mesh_edits
 from ..objects.mesh_edits import Joined
 from ..storage import vertex_groups
 from ..storage.vertex_groups import Members, members
-from . import pin_list
+from . import controls, pin_list
 
 # What a pin keeps, beside its group.
-_KEPT = ("name", "kind", "enabled", "has_target", "target", "reached", "angle", "follow_bone")
+_KEPT = (
+    *("name", "kind", "enabled", "has_target", "target", "reached", "angle"),
+    *("follow_bone", "follow_offset", "follow_axis"),
+)
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class _Pin:
     group: str
     owned: bool
     weight: float  # with that of all pins of its object
-    follow: str  # the object that is its target, by name
+    follow: str  # the object that it follows, by name
     settings: dict[str, Any]
 
 
@@ -123,7 +126,8 @@ def _add_stiffness(obj: bpy.types.Object, name: str, part: Joined) -> None:
 
 def _remembered(pin: bpy.types.PropertyGroup, weight: float) -> _Pin:
     kept = {name: getattr(pin, name) for name in _KEPT}
-    kept["target"], kept["reached"] = tuple(pin.target), tuple(pin.reached)
+    for name in ("target", "reached", "follow_offset", "follow_axis"):
+        kept[name] = tuple(kept[name])
     return _Pin(
         pin.group, pin.owns_group, pin.weight * weight, "" if pin.follow is None else pin.follow.name, kept
     )
@@ -145,15 +149,17 @@ def _add(
     if len(obj.planar.pins) > 1:
         obj.planar.active_pin = active
     names = {other.name for other in obj.planar.pins if other != added}
-    for name, value in pin.settings.items():
-        setattr(added, name, value)
+    with controls.given():
+        added.follow = bpy.data.objects.get(pin.follow)
+        for name, value in pin.settings.items():
+            setattr(added, name, value)
     added.name = pin_list.free_name(pin.settings["name"], names)
     added.weight = pin.weight / obj.planar.pin_weight
-    added.follow = bpy.data.objects.get(pin.follow)
     added.came_from = owner
     if part.map is None:
         added.has_target = False
         return
     added.target, added.reached = part.map.of(np.array([added.target, added.reached]))
+    added.follow_axis = part.map.linear @ np.array(added.follow_axis)
     if part.turned_over:
         added.angle = -added.angle

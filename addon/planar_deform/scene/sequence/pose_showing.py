@@ -8,7 +8,7 @@ import bpy
 from ...model.plane.frame import Array32
 from ..storage import points
 from . import pose_state
-from .pose_blocks import HOLD, SCRATCH, add, block_at, played, played_value, take_out
+from .pose_blocks import HOLD, SCRATCH, add, block_at, own_curve, played, played_value, shown_curve, take_out
 
 
 def show_unkeyed(obj: bpy.types.Object, coordinates: Array32) -> None:
@@ -48,6 +48,21 @@ def show(obj: bpy.types.Object, was_unkeyed: bool) -> None:
         bpy.context.view_layer.update()
         obj.data.shape_keys.eval_time = SCRATCH
         points.update(obj)
+
+
+def let_play(obj: bpy.types.Object, playing: bool) -> None:
+    """Let the curve show the poses, or nothing of it while what is shown comes from elsewhere.
+
+    Behind all handlers of a change of the frame Blender would read the curve once more.
+    """
+    curve = shown_curve(obj.data.shape_keys)
+    if curve is None or curve.mute != playing:
+        return
+    own = own_curve(obj.data.shape_keys)
+    assert own is not None  # there is one to be shown
+    own.mute = not playing
+    if playing:
+        show(obj, pose_state.unkeyed(obj))
 
 
 _brought_back: list[str] = []  # objects that show an unkeyed pose again, after undo

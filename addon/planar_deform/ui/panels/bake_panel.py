@@ -10,7 +10,11 @@ from ...scene.motion.bake import FORMS
 from ...scene.sequence import pose_state
 from .tab import PlanarPanel
 
-ICONS = {"SHAPES": "SHAPEKEY_DATA", "POINT_CACHE": "FILE_CACHE", "RELATIVE_KEYS": "EXPORT"}
+ICONS = {
+    "SHAPES": "SHAPEKEY_DATA",
+    "POINT_CACHE": "FILE_CACHE",
+    "RELATIVE_KEYS": "EXPORT",
+}
 
 
 class PLANAR_PT_bake(PlanarPanel, bpy.types.Panel):

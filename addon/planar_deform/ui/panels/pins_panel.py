@@ -179,15 +179,6 @@ def _draw_pin(
     column.prop(pin, "enabled")
     if pin.lattice_point < 0:
         column.prop(pin, "weight")
-    column.prop(pin, "follow")
-    if pin.follow is not None:
-        if pin.follow.type == "ARMATURE":
-            column.prop_search(pin, "follow_bone", pin.follow.data, "bones", text="Bone")
-        buttons = layout.column(align=True)
-        buttons.operator("planar.solve_to_targets", icon="TRACKER")
-        row = buttons.row(align=True)
-        row.operator("planar.bake_targets", icon="REC", text="Bake")
-        row.prop(obj.planar, "live", toggle=True)
     fault = _fault(context, pin, index)
     if fault is not None:
         lines(column, fault, "ERROR", context)

@@ -166,6 +166,8 @@ def _note(obj: bpy.types.Object) -> str | None:
     if obj.mode == "EDIT" and pose_state.is_ours(obj):
         return f"Edit Mode edits the shape key that is active: '{obj.active_shape_key.name}'"
     if pose_state.unkeyed(obj):
+        if obj.planar.live:
+            return "What is shown is where the pins follow, on top of the poses: Key Pose keys it"
         return "The pose shown is not keyed: the next frame change takes it away"
     reason = shape_refusal(obj)
     if reason is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins that follow a target that is moved by hand, while it is moved."""
+"""Pins of a lattice that follow an Empty that is moved by hand, while it is moved."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,7 @@ def live(window: Window) -> Iterator[None]:
     target.location = START
     bpy.context.collection.objects.link(target)
     cage = bpy.context.object
-    cage.planar.pins[1].follow = target
+    cage.planar.pins[1].follow = target  # from where it is, which is the same place
     cage.planar.live = True
     activate(target)
     bpy.ops.ed.undo_push(message="Test Scene")
@@ -56,7 +56,7 @@ def test_the_pin_follows_while_its_target_is_moved(window: Window) -> Iterator[N
     moved = np.array(bpy.data.objects["Target"].matrix_world.translation)
     assert moved[2] > 0.4, moved
     assert np.linalg.norm(end() - moved) < 0.03, "it follows before the button is released"
-    window.picture("live_targets")
+    window.picture("follow_lattice")
     yield from window.confirm()
     yield from window.wait(0.5)
     after = shape()

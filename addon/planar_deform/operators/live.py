@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins that follow their targets while these are moved, where Live is on.
+"""Pins that follow objects and bones while these are moved, where Live is on.
 
 Nothing is solved while Blender evaluates: what has moved is looked at soon after it. That is in no undo step
-of its own, but in the one of what moved the target, or in the next one. What is shown depends on the way that
-the targets have come, so that it is kept how things were when they began to move: Esc brings it all back.
+of its own, but in the one of what moved the control, or in the next one. It is kept how things were when the
+controls began to move: Esc brings it all back to the bit. Frames are followed in scene/motion/live.py.
 """
 
 from __future__ import annotations
@@ -11,19 +11,26 @@ from __future__ import annotations
 import time
 import traceback
 from dataclasses import dataclass
+from functools import partial
 
 import bpy
 
 from ..errors import ObjectGone, Refusal
 from ..scene.lattice.posed import PosedObject, posing_refusal, read_posed
-from ..scene.motion import to_targets
+from ..scene.motion import live, to_controls
 from ..scene.objects.pose_store import store_of
-from ..scene.pins import pin_list, targets
+from ..scene.pins import controls, pin_list
 from ..scene.telling import tell
 from .modal import running
 
 SOON = 0.05  # seconds between looks while something else is on
 PAUSE = 0.3  # seconds without a motion after which another one begins, unless a key or a button is held
+
+LOCK = (
+    "the picture does not show what its pins follow. Turn on Lock Interface in the Render menu, render in "
+    "background, or use Bake Pins"
+)
+LATTICE = "the picture does not show what the pins of this lattice follow: use Bake Pins"
 
 CLASSES = ()
 
@@ -32,9 +39,9 @@ State = tuple[object, ...]  # what an object shows and what its pins keep, equal
 
 @dataclass
 class _Motion:
-    """Of the targets of one object: how all was when it began."""
+    """Of the controls of one object: how all was when it began."""
 
-    stamp: str  # of the targets
+    stamp: str  # of the controls
     frame: float
     drawing: PosedObject
     results: pin_list.SavedResults
@@ -52,37 +59,57 @@ class _Motion:
         self.results.restore(obj)
 
 
-_live: set[str] = set()  # objects with Live on, by name
 _motions: dict[int, _Motion] = {}  # by session_uid of the object
-
-
-def note(obj: bpy.types.Object) -> None:
-    """An object may have been set to follow its targets, or no more to."""
-    if obj.library is None and obj.is_property_set("planar") and obj.planar.live:
-        _live.add(obj.name)
-    else:
-        _live.discard(obj.name)
-
-
-def note_all() -> None:
-    """Other data are there."""
-    forget()
-    for obj in bpy.data.objects:
-        note(obj)
-    changed()
+_told = False  # that the present render does not follow
 
 
 def forget() -> None:
     """The objects are another file's, or are no more."""
-    _live.clear()
     _motions.clear()
 
 
 def changed() -> None:
-    """Something was evaluated anew: look soon whether that were targets."""
+    """Something was evaluated anew: look soon whether that were controls."""
     # In background no timer ever runs, and the bpy module crashes at exit if one has been registered.
-    if _live and not bpy.app.background and not bpy.app.timers.is_registered(_look):
+    if not bpy.app.background and live.objects() and not bpy.app.timers.is_registered(_look):
         bpy.app.timers.register(_look, first_interval=0.0)
+
+
+def render_begins() -> None:
+    """A picture or a film is about to be rendered."""
+    global _told
+    _told = False
+
+
+def follow_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """After a change of the frame: drawings with Live on show what belongs to it.
+
+    Not so those that something goes through which is running. In a render this may be in another thread.
+    """
+    global _told
+    if running.now() is not None:
+        return
+    for obj in live.objects():
+        try:
+            if not live.shows_frame(obj, scene, depsgraph) and not _told:
+                _told = True
+                _tell(f"{obj.name}: {LATTICE if obj.type == 'LATTICE' else LOCK}", "Live Is Not Rendered")
+        except (Refusal, ObjectGone) as refusal:
+            _go_off(obj, str(refusal))
+
+
+def _go_off(obj: bpy.types.Object, reason: str) -> None:
+    """Turn Live off where it cannot go on, and tell why."""
+    obj.planar.live = False
+    _tell(f"{obj.name}: {reason}", "Live Is Off")
+
+
+def _tell(message: str, title: str) -> None:
+    """Tell it, from whatever thread."""
+    if bpy.app.background:
+        tell(message, title=title)
+    else:
+        bpy.app.timers.register(partial(tell, message, title=title), first_interval=0.0)
 
 
 def _look() -> float | None:
@@ -93,6 +120,7 @@ def _look() -> float | None:
     except Exception:  # the same would go wrong at each look
         traceback.print_exc()
         forget()
+        live.forget()
     return SOON if _watch() else None
 
 
@@ -114,38 +142,34 @@ def _playing() -> bool:
 
 
 def follow() -> None:
-    """Take the pins of all objects with Live on to where their targets are, if these have moved.
+    """Take the pins of all objects with Live on to where their controls want them, if these have moved.
 
     Where that is refused, the reason is told and Live goes off.
     """
-    for name in sorted(_live):
-        obj = bpy.data.objects.get(name)
-        if obj is None:
-            _live.discard(name)  # renamed ones have been noted by their new name
-        elif obj.mode == "OBJECT" and obj.name in bpy.context.view_layer.objects:
-            _follow(obj)
+    for obj in live.objects():
+        if obj.mode == "OBJECT" and obj.name in bpy.context.view_layer.objects:
+            try:
+                _follow(obj)
+            except (Refusal, ObjectGone) as refusal:
+                _go_off(obj, str(refusal))
 
 
 def _follow(obj: bpy.types.Object) -> None:
-    try:
-        stamp = targets.stamp(obj)
-        if stamp == obj.planar.followed:
-            return
-        if stamp:
-            _go_on(obj, stamp)
-        obj.planar.followed = stamp
-    except (Refusal, ObjectGone) as refusal:
-        obj.planar.live = False
-        _live.discard(obj.name)
-        tell(f"{obj.name}: {refusal}", title="Live Is Off")
+    """Raises Refusal and ObjectGone."""
+    depsgraph, frame = bpy.context.evaluated_depsgraph_get(), bpy.context.scene.frame_current_final
+    stamp = controls.stamp(obj, frame, depsgraph)
+    if stamp == obj.planar.followed:
+        return
+    if stamp:
+        _go_on(obj, stamp, frame, depsgraph)
+    obj.planar.followed = stamp
 
 
-def _go_on(obj: bpy.types.Object, stamp: str) -> None:
-    """Take the pins to where their targets are. Raises Refusal and ObjectGone."""
+def _go_on(obj: bpy.types.Object, stamp: str, frame: float, depsgraph: bpy.types.Depsgraph) -> None:
+    """Take the pins to where their controls want them. Raises Refusal and ObjectGone."""
     reason = posing_refusal(obj)
     if reason is not None:
         raise Refusal(reason)
-    frame = bpy.context.scene.frame_current_final
     motion = _motions.get(obj.session_uid)
     if motion is not None and not motion.goes_on(obj):
         motion = None
@@ -156,7 +180,7 @@ def _go_on(obj: bpy.types.Object, stamp: str) -> None:
     drawing = read_posed(obj, unkeyed=True)
     if motion is None:
         motion = _Motion(obj.planar.followed, frame, drawing, pin_list.SavedResults(obj))
-    to_targets.solve(obj, drawing)
+    to_controls.solve(obj, drawing, frame, depsgraph)
     motion.left, motion.at, motion.modal = _state(obj), time.monotonic(), _held()
     _motions[obj.session_uid] = motion
 

@@ -7,7 +7,7 @@ import pytest
 from lattice_scenes import pin_at, points, shown, solid
 from sequences import curve_of
 from support import activate, add_pins, bar, evaluated, world
-from test_targets import ENDS, aimed, along, empty
+from test_lattice_follow import ENDS, aimed, along, empty
 
 FRAMES = 41
 
@@ -24,7 +24,7 @@ def swaying(target, reach=0.4):
 
 
 def bake(last=FRAMES):
-    assert bpy.ops.planar.bake_targets(frame_start=1, frame_end=last) == {"FINISHED"}
+    assert bpy.ops.planar.bake_pins(frame_start=1, frame_end=last) == {"FINISHED"}
 
 
 def in_frames(see, last=FRAMES):
@@ -137,7 +137,7 @@ def test_what_cannot_be_read_in_a_frame_is_refused_with_the_frame_and_all_is_as_
     activate(cage)
     before = points(cage)
     with pytest.raises(RuntimeError, match="At frame 5: Modifier 'Finer' of 'Back' makes new vertices"):
-        bpy.ops.planar.bake_targets(frame_start=1, frame_end=8)
+        bpy.ops.planar.bake_pins(frame_start=1, frame_end=8)
     assert bpy.context.scene.frame_current == 2
     assert cage.data.shape_keys is None
     assert np.array_equal(points(cage), before)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins that go to targets: objects and bones, at once and frame by frame; of lattices and of drawings."""
+"""Pins of lattices that follow objects and bones: at once, live, and frame by frame."""
 
 import bpy
 import numpy as np
@@ -8,7 +8,8 @@ from mathutils import Matrix, Quaternion, Vector
 from support import activate, bar, coordinates, evaluated, world
 from test_lattice_posing import layered, pin_at, points, shown
 
-from planar_deform.operators import live_targets
+from planar_deform.operators import live
+from planar_deform.scene.motion import follow_offset
 
 ENDS = (0, 90)
 
@@ -27,9 +28,15 @@ def aimed(offset=(0.2, 0.0, 0.15)):
     for vertex in ENDS:
         pin_at(back, vertex)
     target = empty(shown(back, ENDS[1]) + np.array(offset))
-    cage.planar.pins[1].follow = target
+    snapped(cage, 1, target)
     activate(cage)
     return cage, back, target
+
+
+def snapped(obj, pin, target):
+    """Let a pin follow the origin of a target, and not from where it is."""
+    obj.planar.pins[pin].follow = target
+    follow_offset.clear(obj, [pin])
 
 
 def along(cage, offset):
@@ -42,17 +49,17 @@ def along(cage, offset):
 def test_a_pin_goes_to_its_target_and_the_others_hold():
     cage, back, target = aimed()
     start = [shown(back, vertex) for vertex in ENDS]
-    assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
+    assert bpy.ops.planar.follow_now() == {"FINISHED"}
     gone = along(cage, np.array(target.location) - start[1])
     np.testing.assert_allclose(shown(back, ENDS[1]) - start[1], gone, atol=8e-3)
     np.testing.assert_allclose(shown(back, ENDS[0]), start[0], atol=8e-3)
     before = points(cage)
     target.location.x += 1e-9  # it is there
-    bpy.ops.planar.solve_to_targets()
+    bpy.ops.planar.follow_now()
     np.testing.assert_allclose(points(cage), before, atol=2e-2)
 
 
-def test_a_bone_is_a_target():
+def test_a_bone_is_followed():
     cage, back, target = aimed()
     data = bpy.data.armatures.new("Rig")
     rig = bpy.data.objects.new("Rig", data)
@@ -67,14 +74,13 @@ def test_a_bone_is_a_target():
     pin.follow, pin.follow_bone = rig, "Foot"
     activate(cage)
     with pytest.raises(RuntimeError, match="no bone 'Foot'"):
-        bpy.ops.planar.solve_to_targets()
+        bpy.ops.planar.follow_now()
     pin.follow_bone = "Hand"
     rig.pose.bones["Hand"].location.y = 0.1
     bpy.context.view_layer.update()
     start = shown(back, ENDS[1])
-    bpy.ops.planar.solve_to_targets()
-    gone = along(cage, np.array(rig.matrix_world @ rig.pose.bones["Hand"].head) - start)
-    assert np.linalg.norm(gone) > 0.05
+    bpy.ops.planar.follow_now()
+    gone = along(cage, np.array((0.0, 0.0, 0.1)))
     np.testing.assert_allclose(shown(back, ENDS[1]) - start, gone, atol=8e-3)
 
 
@@ -83,9 +89,9 @@ def test_a_drawing_s_pin_has_a_target_as_well():
     bpy.ops.planar.add_pin(location=world(obj)[0])
     bpy.ops.planar.add_pin(location=world(obj)[64])
     start = world(obj)
-    obj.planar.pins[1].follow = empty(start[64] + (0.1, 3.0, 0.2))
+    snapped(obj, 1, empty(start[64] + (0.1, 3.0, 0.2)))
     activate(obj)
-    assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
+    assert bpy.ops.planar.follow_now() == {"FINISHED"}
     np.testing.assert_allclose(world(obj)[64], start[64] + (0.1, 0.0, 0.2), atol=5e-3)
     np.testing.assert_allclose(world(obj)[0], start[0], atol=5e-3)
 
@@ -98,7 +104,7 @@ def test_frames_are_baked_to_keys_of_the_lattice_that_blender_plays():
         target.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(5)
     cage.planar.live = True
-    assert bpy.ops.planar.bake_targets(frame_start=1, frame_end=13) == {"FINISHED"}
+    assert bpy.ops.planar.bake_pins(frame_start=1, frame_end=13) == {"FINISHED"}
     assert bpy.context.scene.frame_current == 5
     assert not cage.planar.live, "what is keyed plays"
     keys = cage.data.shape_keys
@@ -131,7 +137,7 @@ def test_a_lattice_that_moves_with_its_targets_stays_as_it_is():
     target.location = cage.matrix_world.inverted() @ target.location
     target.matrix_parent_inverse = Matrix()
     rest = points(cage)
-    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    bpy.ops.planar.bake_pins(frame_start=1, frame_end=5)
     bpy.context.scene.frame_set(5)
     played = cage.data.shape_keys.key_blocks[-1]
     shape = np.array([point.co for point in played.data])
@@ -156,7 +162,7 @@ def through_a_camera():
     for vertex in (nearest, furthest):
         bpy.ops.planar.add_pin(location=before[vertex])
     target = empty(before[nearest] + np.array(camera.matrix_world)[:3, :3] @ (0.3, 0.2, 1.5))
-    cage.planar.pins[0].follow = target
+    snapped(cage, 0, target)
     activate(cage)
     return cage, monkey, nearest, camera, target
 
@@ -175,7 +181,7 @@ def assert_seen_at_the_target(monkey, vertex, camera, target):
 
 def test_through_a_camera_a_model_s_pin_is_seen_where_its_target_is():
     _cage, monkey, vertex, camera, target = through_a_camera()
-    assert bpy.ops.planar.solve_to_targets() == {"FINISHED"}
+    assert bpy.ops.planar.follow_now() == {"FINISHED"}
     assert_seen_at_the_target(monkey, vertex, camera, target)
 
 
@@ -185,7 +191,7 @@ def test_through_a_camera_frames_are_baked_as_they_are_solved():
     for frame, shift in ((1, 0.0), (5, 0.4)):
         target.location = start + camera.matrix_world.to_3x3() @ Matrix.Translation((shift, 0, 0)).translation
         target.keyframe_insert("location", frame=frame)
-    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    bpy.ops.planar.bake_pins(frame_start=1, frame_end=5)
     for frame in (1, 3, 5):
         bpy.context.scene.frame_set(frame)
         assert_seen_at_the_target(monkey, vertex, camera, target)
@@ -202,7 +208,7 @@ def test_a_camera_that_moves_with_its_lattice_and_model_sees_the_target_where_it
         camera.location.x = place.x + x
         camera.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(1)
-    bpy.ops.planar.bake_targets(frame_start=1, frame_end=5)
+    bpy.ops.planar.bake_pins(frame_start=1, frame_end=5)
     for frame in (1, 3, 5):
         bpy.context.scene.frame_set(frame)
         assert_seen_at_the_target(monkey, vertex, camera, target)
@@ -211,8 +217,8 @@ def test_a_camera_that_moves_with_its_lattice_and_model_sees_the_target_where_it
 def test_without_targets_it_says_so_and_changes_nothing():
     cage, _back, _front = layered()
     pin_at(bpy.data.objects["Back"], 0)
-    for operator in (bpy.ops.planar.solve_to_targets, bpy.ops.planar.bake_targets):
-        with pytest.raises(RuntimeError, match="No pin has a target"):
+    for operator in (bpy.ops.planar.follow_now, bpy.ops.planar.bake_pins):
+        with pytest.raises(RuntimeError, match="No pin follows anything"):
             operator()
     assert cage.data.shape_keys is None
 
@@ -220,21 +226,21 @@ def test_without_targets_it_says_so_and_changes_nothing():
 def test_live_follows_the_target_and_the_lattice_itself():
     cage, back, target = aimed((0.0, 0.0, 0.0))
     before = points(cage)
-    live_targets.follow()
+    live.follow()
     assert np.array_equal(points(cage), before), "it is off at first"
     cage.planar.live = True
     bpy.context.view_layer.update()
     start = [shown(back, vertex) for vertex in ENDS]
     target.location.x += 0.2
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     gone = along(cage, np.array((0.2, 0.0, 0.0)))
     np.testing.assert_allclose(shown(back, ENDS[1]) - start[1], gone, atol=8e-3)
     np.testing.assert_allclose(shown(back, ENDS[0]), start[0], atol=8e-3)
     cage.location.z += 0.3  # the pins hold what comes along, the target stays
     back.location.z += 0.3
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     np.testing.assert_allclose(along(cage, shown(back, ENDS[1]) - np.array(target.location)), 0.0, atol=8e-3)
     np.testing.assert_allclose(shown(back, ENDS[0]), start[0] + (0.0, 0.0, 0.3), atol=8e-3)
 
@@ -243,18 +249,18 @@ def test_live_does_nothing_while_no_target_moves():
     cage, back, target = aimed()
     cage.planar.live = True
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     before = points(cage)
     other = empty((5.0, 5.0, 5.0), "Other")
     other.location.x = 7.0
     back.select_set(True)
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     assert np.array_equal(points(cage), before)
     target.location.x += 0.1
     cage.planar.live = False
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     assert np.array_equal(points(cage), before)
 
 
@@ -264,11 +270,11 @@ def test_live_keeps_keyed_poses():
     keyed = keyed_shapes(cage)
     cage.planar.live = True
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     start = shown(back, ENDS[1])
     target.location.x += 0.1
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     assert np.linalg.norm(shown(back, ENDS[1]) - start) > 0.05
     now = keyed_shapes(cage)
     for name, shape in keyed.items():
@@ -289,7 +295,7 @@ def test_live_goes_off_with_the_reason_where_it_is_refused(capsys):
     before = points(cage)
     target.location.x += 0.1
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     assert not cage.planar.live
     assert "Finer" in capsys.readouterr().out
     assert np.array_equal(points(cage), before)
@@ -310,7 +316,7 @@ def test_live_of_renamed_and_of_duplicated_drawings():
     assert twin != obj
     target.location.z += 0.2
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     for each in (obj, twin):
         np.testing.assert_allclose(world(each)[64], target.location, atol=5e-3)
 
@@ -320,17 +326,17 @@ def test_live_is_in_the_file(tmp_path):
     name = cage.name
     cage.planar.live = True
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     path = str(tmp_path / "live.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     cage, back, target = (bpy.data.objects[each] for each in (name, "Back", "Target"))
     before, start = points(cage), shown(back, ENDS[1])
-    live_targets.follow()
+    live.follow()
     assert np.array_equal(points(cage), before)
     target.location.x += 0.2
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     assert np.linalg.norm(shown(back, ENDS[1]) - start) > 0.1
 
 
@@ -349,7 +355,7 @@ def with_live(build):
             obj.shape_key_add(name="Basis")
     obj.planar.live = True
     bpy.context.view_layer.update()
-    live_targets.follow()
+    live.follow()
     return obj, target
 
 
@@ -369,17 +375,14 @@ def moved_to(target, *places):
     for place in places:
         target.location = place
         bpy.context.view_layer.update()
-        live_targets.follow()
+        live.follow()
 
 
 @pytest.mark.parametrize("build", ["lattice", "drawing", "drawing with a key"])
 def test_live_gives_everything_back_to_the_bit_when_the_target_goes_back(build, monkeypatch):
-    monkeypatch.setattr(
-        live_targets, "PAUSE", 100.0, raising=False
-    )  # one motion, however slow the machine is
+    monkeypatch.setattr(live, "PAUSE", 100.0, raising=False)  # one motion, however slow the machine is
     obj, target = with_live(build)
-    live_targets.forget()  # what has been moved before is another motion
-    live_targets.note_all()
+    live.forget()  # what has been moved before is another motion
     before, place = stored(obj), target.location.copy()
     moved_to(target, *(place + Vector((0.04 * step, 0.0, 0.07 * step)) for step in range(1, 6)))
     assert stored(obj)[:2] != before[:2]
@@ -390,7 +393,7 @@ def test_live_gives_everything_back_to_the_bit_when_the_target_goes_back(build, 
 
 
 def test_live_takes_nothing_back_that_was_posed_by_hand_meanwhile(monkeypatch):
-    monkeypatch.setattr(live_targets, "PAUSE", 100.0, raising=False)
+    monkeypatch.setattr(live, "PAUSE", 100.0, raising=False)
     cage, target = with_live("lattice")
     back, place = bpy.data.objects["Back"], target.location.copy()
     moved_to(target, place + Vector((0.1, 0.0, 0.1)))
