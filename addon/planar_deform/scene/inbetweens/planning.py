@@ -19,7 +19,10 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
+from ...model.lattice.pin_places import PinPlaces
 from ...model.plane.frame import Array32, Indices
+from ...model.posing.held_pins import HeldPin
+from ...model.posing.pins import Holder
 from ...model.timing.order_of_time import Entry, durations, even, frames_between
 from ..lattice.pinned_places import pinned_places
 from ..objects.any_object import AnyObject, shape_refusal
@@ -129,8 +132,9 @@ def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], t
     elements, held, places = drawing.elements, _held(drawing, obj), None
     if isinstance(drawing, LatticeObject) and (places := pinned_places(obj, drawing)) is not None:
         joined = places.triangles(drawing.rest, drawing.cells)
+        first = len(elements["triangles"])
         elements = {"triangles": np.concatenate([elements["triangles"], joined])}
-        held = [np.array([row], np.int32) for row in len(drawing.rest) + np.arange(len(places.offsets))]
+        held = _held_places(places, len(drawing.rest), elements["triangles"], first)
     return Plan(
         drawing=drawing,
         shapes=shapes,
@@ -148,15 +152,32 @@ def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], t
     )
 
 
-def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[Indices]:
-    """The vertices of each enabled pin in each part."""
-    pins = pin_list.model_pins(obj, drawing) if isinstance(drawing, CutoutObject) else []
-    return [
-        pin.vertices[drawing.parts[pin.vertices] == part]
-        for pin in pins
-        if pin.enabled
-        for part in np.unique(drawing.parts[pin.vertices])
-    ]
+def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[HeldPin]:
+    """The enabled pins."""
+    if not isinstance(drawing, CutoutObject):
+        return []
+    found = []
+    for pin in pin_list.model_pins(obj, drawing):
+        if not pin.enabled:
+            continue
+        triangles, weights = Holder(pin, drawing.cutout).handle_vertices()
+        corners = drawing.faces[triangles]
+        rows = corners[np.arange(len(corners)), weights.argmax(axis=1)]
+        of_group = drawing.parts[pin.vertices]
+        vertices = [pin.vertices[of_group == part] for part in np.unique(of_group)]
+        found.append(HeldPin(pin.key, triangles, corners, weights, drawing.parts[rows], vertices))
+    return found
+
+
+def _held_places(places: PinPlaces, first_row: int, triangles: Indices, first: int) -> list[HeldPin]:
+    """The pins of a lattice, whose places are vertices from `first_row` on; each begins four triangles."""
+    held = []
+    for number, key in enumerate(places.keys):
+        chosen = np.array([first + 4 * number], np.int32)
+        vertices = [np.array([first_row + number], np.int32)]
+        weights = np.array([[1.0, 0.0, 0.0]])
+        held.append(HeldPin(key, chosen, triangles[chosen], weights, np.zeros(1, np.int32), vertices))
+    return held
 
 
 def _stays(

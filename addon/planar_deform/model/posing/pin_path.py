@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The path and the timing of one pin on its way from one pose to the next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..plane.frame import Array
+
+# As Blender wants an enum's items.
+KINDS = (
+    ("STRAIGHT", "Straight", "On a straight line"),
+    ("ARC", "Arc", "On the circular arc that belongs to the turn of the drawing at the pin"),
+    ("CURVE", "Curve", "Along a curve object, whose ends are brought to where the pin is in the two poses"),
+)
+EASES = (
+    ("LINEAR", "As the Pose", "The same share of its way as the rest of the drawing"),
+    ("EASE", "Ease", "Slow out of the pose and slow into the next"),
+    ("EASE_IN", "Ease In", "Slow out of the pose, fast into the next"),
+    ("EASE_OUT", "Ease Out", "Fast out of the pose, slow into the next"),
+)
+_STRAIGHT = 1e-6  # radians: an arc that is flatter is a line
+CLOSED = 1e-3  # of the length of a line: its ends are one
+
+
+@dataclass(frozen=True, eq=False)
+class PinPath:
+    """How a pin goes."""
+
+    kind: str  # of KINDS
+    ease: str  # of EASES
+    line: Array | None = None  # m x 2, of a curve, from its begin to its end in the drawing's plane
+
+    def at(self, start: Array, end: Array, turn: float, shares: Array) -> Array:
+        """Where the pin is, f x 2, at shares of the way from `start` to `end`.
+
+        `turn` is that of the drawing at the pin, for arcs. A closed curve leads only to where it began.
+        """
+        u = eased(self.ease, shares)
+        begin, way = complex(*start), complex(*(end - start))
+        if self.kind == "CURVE":
+            assert self.line is not None  # planning gives curves one
+            run = _evenly(self.line, u)
+            if is_closed(self.line):
+                place = begin + run - _begin(self.line) + u * way
+            else:
+                chord = complex(*(self.line[-1] - self.line[0]))
+                place = begin + (run - _begin(self.line)) * (way / chord)
+        elif self.kind == "ARC" and abs(turn) > _STRAIGHT:
+            place = begin + way * (np.exp(1j * turn * u) - 1.0) / (np.exp(1j * turn) - 1.0)
+        else:
+            place = begin + u * way
+        return np.stack([place.real, place.imag], axis=1)
+
+
+def _begin(line: Array) -> complex:
+    """Where a line begins."""
+    return complex(*line[0])
+
+
+def eased(ease: str, shares: Array) -> Array:
+    """The share of the way that is done at a share of the time."""
+    if ease == "EASE":
+        return shares * shares * (3.0 - 2.0 * shares)
+    if ease == "EASE_IN":
+        return shares * shares
+    late: Array = shares * (2.0 - shares) if ease == "EASE_OUT" else shares
+    return late
+
+
+def is_closed(line: Array) -> bool:
+    """Whether a line ends where it begins."""
+    length = np.hypot(*np.diff(line, axis=0).T).sum()
+    return bool(np.hypot(*(line[-1] - line[0])) <= CLOSED * length)
+
+
+def turn_of(before: Array, after: Array) -> float:
+    """The turn (radians, the shorter way round) that takes points nearest to where they are afterwards."""
+    arms = before - before.mean(axis=0), after - after.mean(axis=0)
+    one, other = (points[:, 0] + 1j * points[:, 1] for points in arms)
+    return float(np.angle((one.conj() * other).sum()))
+
+
+def _evenly(line: Array, shares: Array) -> NDArray[np.complex128]:
+    """Points of a line, complex, at shares of its length."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    at = shares * lengths[-1]
+    found: NDArray[np.complex128] = line @ [1.0, 1.0j]
+    return np.asarray(np.interp(at, lengths, found), complex)
