@@ -19,6 +19,8 @@ from bpy.props import (
 )
 
 from ..errors import Refusal, try_all
+from ..model.posing.pin_path import EASES as PIN_EASES
+from ..model.posing.pin_path import KINDS as PIN_PATHS
 from ..model.timing.ease import EASES
 from .flatten import pushing
 from .objects.any_object import shape_refusal
@@ -50,6 +52,32 @@ def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
 
 def _is_mesh(_pin: PlanarPin, obj: bpy.types.Object) -> bool:
     return bool(obj.type == "MESH")
+
+
+def _is_curve(_path: PlanarPinPath, obj: bpy.types.Object) -> bool:
+    return bool(obj.type == "CURVE")
+
+
+class PlanarPinPath(bpy.types.PropertyGroup):
+    """How a pin goes from one pose to the next."""
+
+    pose: StringProperty(options={"HIDDEN"})  # the one from which it leads, by its name
+    kind: EnumProperty(
+        name="Pin Path", description="Way of the pin to the next pose", items=PIN_PATHS, options=NOT_ANIMATED
+    )
+    curve: PointerProperty(
+        type=bpy.types.Object,
+        name="Curve",
+        description="Curve along whose first spline the pin goes, from its begin to its end",
+        poll=_is_curve,
+        options=NOT_ANIMATED,
+    )
+    ease: EnumProperty(
+        name="Timing",
+        description="When the pin is how far on its path, between the two poses",
+        items=PIN_EASES,
+        options=NOT_ANIMATED,
+    )
 
 
 class PlanarPin(bpy.types.PropertyGroup):
@@ -112,6 +140,7 @@ class PlanarPin(bpy.types.PropertyGroup):
         unit="ROTATION",
         options=NOT_ANIMATED,
     )
+    paths: CollectionProperty(type=PlanarPinPath)  # see storage/pin_paths.py
     # Object-local: where the pin was asked to be, and where the last posing left it.
     has_target: BoolProperty(options={"HIDDEN"})
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
@@ -394,7 +423,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
     cache_stamp: StringProperty(options={"HIDDEN"})
 
 
-CLASSES = (PlanarPin, PlanarPose, PlanarPlace, PlanarSeen, PlanarSettings)
+CLASSES = (PlanarPinPath, PlanarPin, PlanarPose, PlanarPlace, PlanarSeen, PlanarSettings)
 
 
 def register() -> None:

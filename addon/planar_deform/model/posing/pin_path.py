@@ -22,6 +22,7 @@ EASES = (
     ("EASE_IN", "Ease In", "Slow out of the pose, fast into the next"),
     ("EASE_OUT", "Ease Out", "Fast out of the pose, slow into the next"),
 )
+_PIECES = 24  # of a Bezier segment: an arc of 90 degrees is off by 0.06 % of its radius at most
 _STRAIGHT = 1e-6  # radians: an arc that is flatter is a line
 CLOSED = 1e-3  # of the length of a line: its ends are one
 
@@ -54,6 +55,17 @@ class PinPath:
         else:
             place = begin + u * way
         return np.stack([place.real, place.imag], axis=1)
+
+
+def bezier(before: Array, points: Array, behind: Array, *, closed: bool) -> Array:
+    """Points along a Bezier curve of control points and the handles before and behind them, k x 3 each."""
+    begin = np.arange(len(points) if closed else len(points) - 1)
+    end = (begin + 1) % max(len(points), 1)
+    t = (np.arange(_PIECES) / _PIECES)[:, None]
+    corners = points[begin], behind[begin], before[end], points[end]
+    shares = (1.0 - t) ** 3, 3.0 * t * (1.0 - t) ** 2, 3.0 * t * t * (1.0 - t), t**3
+    pieces = sum(share * corner[:, None] for share, corner in zip(shares, corners, strict=True))
+    return np.concatenate([np.reshape(pieces, (-1, points.shape[1])), points[:1] if closed else points[-1:]])
 
 
 def _begin(line: Array) -> complex:

@@ -138,6 +138,16 @@ class Plan:
             "Coarsely Above to hold each"
         )
 
+    def ends(self, transition: int) -> tuple[Array, Array]:
+        """The shapes before and behind a transition, with the places."""
+        before, after = self.keys[transition : transition + 2]
+        return self._with_places(before), self._with_places(after)
+
+    @property
+    def near(self) -> float:
+        """How far apart what stands may be in two poses."""
+        return PLANTED * self.drawing.diagonal
+
     def _with_places(self, shape: Array) -> Array:
         return shape if self.places is None else self.places.extended(shape)
 
@@ -177,10 +187,9 @@ class Plan:
 
         Pins that stand still hold their parts; those parts that have none go by all their pins.
         """
-        before, after = (self._with_places(key) for key in self.keys[transition : transition + 2])
+        before, after = self.ends(transition)
         parts_of = self._parts
-        near = PLANTED * self.drawing.diagonal
-        stands = [pin.stands(before, after, near) for pin in self.held]
+        stands = [pin.stands(before, after, self.near) for pin in self.held]
         held = [(rows, still) for pin, still in zip(self.held, stands, strict=True) for rows in pin.vertices]
         parts = {int(parts_of[rows[0]]) for rows, still in held if still}
         chosen = [rows for rows, still in held if still or int(parts_of[rows[0]]) not in parts]
@@ -196,7 +205,7 @@ class Plan:
 
     def _guides(self, transition: int) -> list[Guide]:
         """The pins that are to go on paths in a transition."""
-        rest, before, after = map(self._with_places, (self.rest, *self.keys[transition : transition + 2]))
+        rest, (before, after) = self._with_places(self.rest), self.ends(transition)
         guides, row = [], 0
         for pin in self.held:
             count = len(pin.triangles)

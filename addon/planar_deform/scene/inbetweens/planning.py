@@ -35,6 +35,7 @@ from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
 from ..storage import changes
 from ..storage.cage import cage_of
 from ..storage.points import read_block
+from . import guiding
 from .plan import Plan
 
 
@@ -81,7 +82,7 @@ def plan(
     entries_played = entries[played[0] : played[-1] + 1]
     listed = {pose.at: pose for pose in obj.planar.poses}
     stamps = Stamps(obj)
-    made_of, shapes, turns = [], [], []
+    made_of, shapes, turns, names = [], [], [], []
     for entry in entries_played:
         pose = listed.get(starts[entry.block])
         eval_time = starts[entry.block]
@@ -90,7 +91,8 @@ def plan(
         made_of.append(stamps.digest(eval_time))
         shapes.append(read_block(obj, block_at(obj.data.shape_keys, eval_time)))
         turns.append(0 if pose is None or entry.copy else pose.turns)
-    result = _plan_of(drawing, obj, shapes, turns[:-1])
+        names.append("" if pose is None or entry.copy else pose.name)
+    result = _plan_of(drawing, obj, shapes, turns[:-1], names[:-1])
     if path is not None:
         result.path = path
     if smooth is not None:
@@ -122,20 +124,27 @@ def way(drawing: AnyObject, poses: Sequence[int], times: Sequence[float]) -> Pla
     obj = drawing.resolve()
     chosen = [obj.planar.poses[pose] for pose in poses]
     shapes = [read_block(obj, pose_state.block_of(obj, pose)) for pose in poses]
-    result = _plan_of(drawing, obj, shapes, [pose.turns for pose in chosen[:-1]])
+    turns, names = zip(*((pose.turns, pose.name) for pose in chosen[:-1]), strict=True)
+    result = _plan_of(drawing, obj, shapes, list(turns), names)
     result.times = list(times)
     return result
 
 
-def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], turns: list[int]) -> Plan:
-    """A plan for these poses, without times and counts."""
+def _plan_of(
+    drawing: AnyObject,
+    obj: bpy.types.Object,
+    shapes: list[Array32],
+    turns: list[int],
+    names: Sequence[str],
+) -> Plan:
+    """A plan for these poses, without times and counts; turns and names are of those before transitions."""
     elements, held, places = drawing.elements, _held(drawing, obj), None
     if isinstance(drawing, LatticeObject) and (places := pinned_places(obj, drawing)) is not None:
         joined = places.triangles(drawing.rest, drawing.cells)
         first = len(elements["triangles"])
         elements = {"triangles": np.concatenate([elements["triangles"], joined])}
         held = _held_places(places, len(drawing.rest), elements["triangles"], first)
-    return Plan(
+    result = Plan(
         drawing=drawing,
         shapes=shapes,
         keys=[drawing.flattened(shape) for shape in shapes],
@@ -150,6 +159,9 @@ def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], t
         smooth=obj.planar.smooth,
         cage=cage_of(obj),
     )
+    if held:
+        result.pin_paths = [guiding.paths(obj, result, number, name) for number, name in enumerate(names)]
+    return result
 
 
 def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[HeldPin]:
