@@ -21,6 +21,7 @@ from bpy.props import (
 from ..errors import Refusal, try_all
 from ..model.posing.pin_path import EASES as PIN_EASES
 from ..model.posing.pin_path import KINDS as PIN_PATHS
+from ..model.posing.pins import LEAST_SCALE
 from ..model.timing.ease import EASES
 from .flatten import pushing
 from .objects.any_object import shape_refusal
@@ -47,7 +48,7 @@ PATHS = (
 def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
     """Another kind or group holds the drawing where it is now; what the old one was asked for is past."""
     pin.has_target = False
-    pin.angle = 0.0
+    pin.angle, pin.scale = 0.0, 1.0
 
 
 def _is_mesh(_pin: PlanarPin, obj: bpy.types.Object) -> bool:
@@ -140,6 +141,14 @@ class PlanarPin(bpy.types.PropertyGroup):
         unit="ROTATION",
         options=NOT_ANIMATED,
     )
+    scale: FloatProperty(
+        name="Scale",
+        description="What a patch has grown by since rest",
+        default=1.0,
+        min=LEAST_SCALE,
+        options=NOT_ANIMATED,
+    )
+    reached_scale: FloatProperty(options={"HIDDEN"})  # to which the last posing came; 0: it is not known
     paths: CollectionProperty(type=PlanarPinPath)  # see storage/pin_paths.py
     # Object-local: where the pin was asked to be, and where the last posing left it.
     has_target: BoolProperty(options={"HIDDEN"})

@@ -13,7 +13,7 @@ from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..plane.locate import nearest_point
 from .pins import Holder, Pin, rotation
-from .posing import RAMP_SAMPLES, PinResult, Posing, Sample
+from .posing import RAMP_SAMPLES, PinResult, Posing, Sample, result_of, start_scale_of
 from .side_names import flipped
 from .symmetry import Symmetry, nearest
 
@@ -27,6 +27,7 @@ class _Handle:
     pin: Pin
     target: Array  # (2,)
     angle: float
+    scale: float
 
 
 class PinMirror(Posing):
@@ -83,7 +84,8 @@ class PinMirror(Posing):
                 handle = self._handles.get(holder.pin.key)
                 target = place if handle is None else handle.target
                 angle = holder.fitted_angle(self.positions) if handle is None else handle.angle
-                results.append(PinResult(holder.pin.key, holder.part, target, place, angle))
+                scale = holder.held_scale(self.positions) if handle is None else handle.scale
+                results.append(result_of(holder, self.positions, target, angle, scale))
         return results
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
@@ -91,6 +93,9 @@ class PinMirror(Posing):
         place, turned = start
         share = sample[0]
         return place + share * (handle.target - place), turned + share * (handle.angle - turned)
+
+    def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
+        return begun + sample[0] * (self._handles[holder.pin.key].scale - begun)
 
     def _add_by_place(self, partners: dict[int, int], near: float) -> None:
         """Pair those without a partner that rest where another one's mirror image does, or their own."""
@@ -119,8 +124,9 @@ class PinMirror(Posing):
         else:
             found = self._opposite(cutout, index)
             pin, rest = (holder.pin, self._places[index]) if found is None else found
-        pin = replace(pin, enabled=True, target=None, angle=0.0)
-        self._handles[pin.key] = _Handle(pin, rest + mirrored, -angle)
+        pin = replace(pin, enabled=True, target=None, angle=0.0, scale=1.0)
+        scale = start_scale_of(holder, positions)
+        self._handles[pin.key] = _Handle(pin, rest + mirrored, -angle, scale)
 
     def _nearly(self, cutout: Cutout) -> Array:
         """The rest shape as one piece where the handles are to be: the way from there is short."""

@@ -47,6 +47,8 @@ class PinResult:
     target: Array  # (2,) where it was asked to be
     reached: Array  # (2,) where it is
     angle: float
+    scale: float  # what a patch was asked to grow by
+    reached_scale: float  # and has
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,7 @@ class Posing:
             raise ValueError("pins: none is enabled")
         self._moving = frozenset(moving)
         self._starts = self._begun = [start_of(holder, positions) for holder in self._holders]
+        self._scales = self._scales_begun = [start_scale_of(holder, positions) for holder in self._holders]
         # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
         # None: they stay. Asked wherever it is solved, which may be in another thread.
         self.played: Callable[[int], Array | None] | None = None
@@ -104,7 +107,7 @@ class Posing:
         self.positions = self._start  # n x 2, after the last move
         self.path: list[Sample] = []
         self._refinements = 0
-        self._starts = self._begun
+        self._starts, self._scales = self._begun, self._scales_begun
         self._playing: Array | None = None
 
     @property
@@ -141,6 +144,10 @@ class Posing:
             start if self._moves(holder) else (holder.place(shape), holder.fitted_angle(shape))
             for holder, start in zip(self._holders, self._begun, strict=True)
         ]
+        self._scales = [
+            scale if self._moves(holder) else holder.held_scale(shape)
+            for holder, scale in zip(self._holders, self._scales_begun, strict=True)
+        ]
         return True
 
     def settle(self) -> Array:
@@ -159,10 +166,10 @@ class Posing:
         """Where each enabled pin was asked to be and where it is, now."""
         sample = self.path[-1] if self.path else (0.0, 0.0, 0.0)
         results = []
-        for holder, start in zip(self._holders, self._starts, strict=True):
+        for holder, start, scale in zip(self._holders, self._starts, self._scales, strict=True):
             target, angle = self._aim(holder, start, sample)
-            reached = holder.place(self.positions)
-            results.append(PinResult(holder.pin.key, holder.part, target, reached, angle))
+            grown = self._grown(holder, scale, sample)
+            results.append(result_of(holder, self.positions, target, angle, grown))
         return results
 
     def _moves(self, holder: Holder) -> bool:
@@ -177,16 +184,24 @@ class Posing:
         aim[:2] += du, dv
         return aim, begun + angle
 
+    def _grown(self, _holder: Holder, begun: float, _sample: Sample) -> float:
+        """What a patch has to have grown by since rest; `begun` at the start."""
+        return begun
+
     def _targets(self, sample: Sample) -> Array:
         targets = [
-            self._handle_targets(holder, *self._aim(holder, start, sample), sample)
-            for holder, start in zip(self._holders, self._starts, strict=True)
+            self._handle_targets(
+                holder, *self._aim(holder, start, sample), self._grown(holder, scale, sample), sample
+            )
+            for holder, start, scale in zip(self._holders, self._starts, self._scales, strict=True)
         ]
         return np.concatenate(targets)
 
-    def _handle_targets(self, holder: Holder, target: Array, angle: float, _sample: Sample) -> Array:
-        """Where the handles of a pin should be that is to be at a target, turned by an angle."""
-        return holder.handle_targets(target, angle)
+    def _handle_targets(
+        self, holder: Holder, target: Array, angle: float, scale: float, _sample: Sample
+    ) -> Array:
+        """Where the handles of a pin should be that is to be at a target, turned and scaled from rest."""
+        return holder.handle_targets(target, angle, scale)
 
     def _set_handles(self, poser: Poser) -> None:
         parts = [holder.handle_vertices() for holder in self._holders]
@@ -203,6 +218,17 @@ def start_of(holder: Holder, positions: Array) -> tuple[Array, float]:
     if holder.pin.target is not None:
         return holder.pin.target, holder.pin.angle
     return holder.place(positions), holder.fitted_angle(positions)
+
+
+def start_scale_of(holder: Holder, positions: Array) -> float:
+    """What a patch is held at likewise."""
+    return holder.pin.scale if holder.pin.target is not None else holder.held_scale(positions)
+
+
+def result_of(holder: Holder, positions: Array, target: Array, angle: float, scale: float) -> PinResult:
+    """That of a pin on n x 2 positions, of which these were asked."""
+    place, reached_scale = holder.place(positions), holder.fitted_scale(positions)
+    return PinResult(holder.pin.key, holder.part, target, place, angle, scale, reached_scale)
 
 
 def carried_path(

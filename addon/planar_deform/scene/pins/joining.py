@@ -22,7 +22,10 @@ from ..storage.vertex_groups import Members, members
 from . import pin_list
 
 # What a pin keeps, beside its group.
-_KEPT = ("name", "kind", "enabled", "has_target", "target", "reached", "angle", "follow_bone")
+_KEPT = (
+    *("name", "kind", "enabled", "has_target", "target", "reached"),
+    *("angle", "scale", "reached_scale", "follow_bone"),
+)
 
 
 @dataclass(frozen=True)
