@@ -267,6 +267,15 @@ class PlanarSettings(bpy.types.PropertyGroup):
     pins: CollectionProperty(type=PlanarPin)
     active_pin: IntProperty(name="Active Pin", description="Pin shown in the panel", options=NOT_ANIMATED)
     group_count: IntProperty(options={"HIDDEN"})  # vertex groups when the pins were last matched to them
+    use_mirror_x: BoolProperty(
+        name="Symmetry",
+        description=(
+            "Move, turn and scale pins together with their partners on the other side, paired by their names "
+            "(Hand.L, Hand.R) or places"
+        ),
+        update=_number,
+        options=NOT_ANIMATED,
+    )
     method: EnumProperty(
         name="Method",
         description="How the drawing follows the pins",

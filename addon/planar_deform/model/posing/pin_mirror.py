@@ -12,7 +12,7 @@ from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..plane.locate import nearest_point
-from .pins import Holder, Pin, rotation
+from .pins import Holder, Kind, Pin, rotation
 from .posing import RAMP_SAMPLES, PinResult, Posing, Sample, result_of, start_scale_of
 from .side_names import flipped
 from .symmetry import Symmetry, nearest
@@ -51,11 +51,7 @@ class PinMirror(Posing):
     ):
         self._pins = [holder for _, holder in pins]
         self._places = [holder.place(cutout.rest) for holder in self._pins]
-        partners = _by_name([name for name, _ in pins])
-        self._symmetry = _mirror(
-            cutout, axis, [(self._places[a], self._places[b]) for a, b in partners.items()]
-        )
-        self._add_by_place(partners, NEAR * cutout.diagonal)
+        partners, self._symmetry = paired(cutout, pins, axis)
         count = sum(index < partner for index, partner in partners.items())
         self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
         self._handles: dict[int, _Handle] = {}
@@ -96,21 +92,6 @@ class PinMirror(Posing):
 
     def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
         return begun + sample[0] * (self._handles[holder.pin.key].scale - begun)
-
-    def _add_by_place(self, partners: dict[int, int], near: float) -> None:
-        """Pair those without a partner that rest where another one's mirror image does, or their own."""
-        left = [index for index in range(len(self._pins)) if index not in partners]
-        gaps = np.full((len(left), len(left)), np.inf)
-        for row, index in enumerate(left):
-            image = self._symmetry.reflected(self._places[index])
-            for column, other in enumerate(left):
-                if self._pins[other].pin.kind == self._pins[index].pin.kind:
-                    gaps[row, column] = np.linalg.norm(self._places[other] - image)
-            gaps[row, row] /= 2.0  # what is off the mirror line is twice as far from its own image
-        for row, index in enumerate(left):
-            column = int(np.argmin(gaps[row]))
-            if gaps[row, column] <= near and np.argmin(gaps[column]) == row:
-                partners[index] = left[column]
 
     def _hold(self, cutout: Cutout, positions: Array, index: int, partners: dict[int, int]) -> None:
         """What a pin does, done by its partner."""
@@ -154,6 +135,37 @@ class PinMirror(Posing):
             pin = replace(holder.pin, vertices=cutout.triangles[found.triangle], weights=found.weights)
         pin = replace(pin, key=-1 - index)  # no pin of the list
         return pin, Holder(pin, cutout).place(cutout.rest)
+
+
+def paired(cutout: Cutout, pins: Sequence[tuple[str, Holder]], axis: int) -> tuple[dict[int, int], Symmetry]:
+    """The partner of each pin that has one, by their places in the list, and the mirror. `axis` as there."""
+    places = [holder.place(cutout.rest) for _, holder in pins]
+    partners = _by_name([name for name, _ in pins])
+    symmetry = _mirror(cutout, axis, [(places[a], places[b]) for a, b in partners.items()])
+    _add_by_place(partners, [holder.pin.kind for _, holder in pins], places, symmetry, NEAR * cutout.diagonal)
+    return partners, symmetry
+
+
+def _add_by_place(
+    partners: dict[int, int],
+    kinds: Sequence[Kind],
+    places: Sequence[Array],
+    symmetry: Symmetry,
+    near: float,
+) -> None:
+    """Pair those without a partner that rest where another one's mirror image does, or their own."""
+    left = [index for index in range(len(places)) if index not in partners]
+    gaps = np.full((len(left), len(left)), np.inf)
+    for row, index in enumerate(left):
+        image = symmetry.reflected(places[index])
+        for column, other in enumerate(left):
+            if kinds[other] == kinds[index]:
+                gaps[row, column] = np.linalg.norm(places[other] - image)
+        gaps[row, row] /= 2.0  # what is off the mirror line is twice as far from its own image
+    for row, index in enumerate(left):
+        column = int(np.argmin(gaps[row]))
+        if gaps[row, column] <= near and np.argmin(gaps[column]) == row:
+            partners[index] = left[column]
 
 
 def _by_name(names: Sequence[str]) -> dict[int, int]:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -91,6 +91,8 @@ class Posing:
         # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
         # None: they stay. Asked wherever it is solved, which may be in another thread.
         self.played: Callable[[int], Array | None] | None = None
+        # By the key of a pin that goes along with a moving one, seen in a mirror across u: that one's.
+        self.mirrored: Mapping[int, int] = {}
         if pivot is None:
             movers = [
                 place
@@ -166,10 +168,8 @@ class Posing:
         """Where each enabled pin was asked to be and where it is, now."""
         sample = self.path[-1] if self.path else (0.0, 0.0, 0.0)
         results = []
-        for holder, start, scale in zip(self._holders, self._starts, self._scales, strict=True):
-            target, angle = self._aim(holder, start, sample)
-            grown = self._grown(holder, scale, sample)
-            results.append(result_of(holder, self.positions, target, angle, grown))
+        for index, holder in enumerate(self._holders):
+            results.append(result_of(holder, self.positions, *self._aim_of(index, sample)))
         return results
 
     def _moves(self, holder: Holder) -> bool:
@@ -190,12 +190,23 @@ class Posing:
 
     def _targets(self, sample: Sample) -> Array:
         targets = [
-            self._handle_targets(
-                holder, *self._aim(holder, start, sample), self._grown(holder, scale, sample), sample
-            )
-            for holder, start, scale in zip(self._holders, self._starts, self._scales, strict=True)
+            self._handle_targets(holder, *self._aim_of(index, sample), sample)
+            for index, holder in enumerate(self._holders)
         ]
         return np.concatenate(targets)
+
+    def _aim_of(self, index: int, sample: Sample) -> tuple[Array, float, float]:
+        """Where a pin is to be, how far turned and scaled from rest: by itself, or as the one it mirrors."""
+        holder, start, scale = self._holders[index], self._starts[index], self._scales[index]
+        led_by = self.mirrored.get(holder.pin.key)
+        if led_by is None:
+            return *self._aim(holder, start, sample), self._grown(holder, scale, sample)
+        leader = next(i for i, other in enumerate(self._holders) if other.pin.key == led_by)
+        (place, angle), before = self._starts[leader], self._scales[leader]
+        aim, turned_to, grown = self._aim_of(leader, sample)
+        way = aim - place
+        way[0] *= -1.0
+        return start[0] + way, start[1] - (turned_to - angle), scale * grown / before
 
     def _handle_targets(
         self, holder: Holder, target: Array, angle: float, scale: float, _sample: Sample

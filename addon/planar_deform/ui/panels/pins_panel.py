@@ -127,6 +127,8 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         row = column.row()
         row.enabled = any(pin.select for pin in settings.pins)
         row.operator("planar.remove_pins", text="", icon="REMOVE")
+        column.separator()
+        column.prop(settings, "use_mirror_x", text="", icon="MOD_MIRROR")
         if 0 <= settings.active_pin < len(settings.pins):
             _draw_pin(layout, context, settings.pins[settings.active_pin], settings.active_pin)
 
