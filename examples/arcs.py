@@ -102,8 +102,16 @@ def bar_rows(degrees: float) -> list[list[Cell]]:
     )
     view = View.around(0.5, -0.22, 0.75, 350, 190)
     corners = [0, columns, 4 * (columns + 1), 5 * (columns + 1) - 1]
+    motions = linear(rest, rolled), Motion("In-between", frames, ways)
+    return mesh_rows(motions, rest, triangles, corners, view)
+
+
+def mesh_rows(
+    motions: Sequence[Motion], rest: np.ndarray, triangles: np.ndarray, marked: Sequence[int], view: View
+) -> list[list[Cell]]:
+    """A row of drawn meshes for each motion, with the ways of the marked vertices."""
     found = []
-    for motion in (linear(rest, rolled), Motion("In-between", frames, ways)):
+    for motion in motions:
         cells = []
         for share, points in zip(SHARES, motion.frames, strict=True):
             picture = Image.new("RGB", (view.width * FINE, view.height * FINE), PAPER_CELL)
@@ -112,7 +120,7 @@ def bar_rows(degrees: float) -> list[list[Cell]]:
             for corner in triangles:
                 draw.polygon([tuple(pixels[i]) for i in corner], fill=BAR, outline=BAR_EDGE)
             picture = picture.resize((view.width, view.height), Image.Resampling.LANCZOS)
-            draw_ways(picture, view, motion, corners, points)
+            draw_ways(picture, view, motion, marked, points)
             measure = planar_native.distortion(rest, points, triangles)
             cells.append((f"{motion.name} {100 * share:.0f} %", f"area {measure.area:.2f}", picture))
         found.append(cells)

@@ -31,6 +31,7 @@ import comparison  # noqa: E402
 import contact_sheet  # noqa: E402
 import cutout  # noqa: E402
 import dragon  # noqa: E402
+import feet  # noqa: E402
 import film  # noqa: E402
 import fox  # noqa: E402
 import hood  # noqa: E402
@@ -144,6 +145,7 @@ def run(pictures: Path | None) -> None:
         images["lattices"] = contact_sheet.sheet("Posed by one lattice each", in_lattices)
         images["flatten"] = contact_sheet.sheet("A surface laid flat, and what it is posed by", [laid_flat])
         images["methods"] = contact_sheet.sheet("The same drags by each method", compared)
+        images["feet"] = contact_sheet.sheet("Feet held by their middle, and each", feet.rows())
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
     wrote = ("demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png")

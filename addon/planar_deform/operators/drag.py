@@ -23,7 +23,7 @@ from ..model.input.drag import Drag, Mode, Point
 from ..model.plane.axes import plane_axes
 from ..model.plane.frame import PlaneFrame
 from ..model.posing.posing import Posing, Sample, Solved, carried_path
-from ..model.posing.spreading import Spreading, carried_growth
+from ..model.posing.spreading import ScalingSpread, Spreading, carried_growth
 from ..scene.view.mouse import refuse_hidden, towards
 from .modal import reports, running
 from .modal.object_posing import ObjectPosing
@@ -111,8 +111,12 @@ class PinTransform(Interactive):
             self.extend,
             pivot=self.given_pivot(),
             facing=self.facing,
-            model=self.model,
+            model=self.posing_model(),
         )
+
+    def posing_model(self) -> type[Posing]:
+        """What samples mean."""
+        return self.model
 
     def given_pivot(self) -> Sequence[float] | None:
         """What to turn about, in the world; None: the centre of the pins."""
@@ -320,7 +324,8 @@ class PLANAR_OT_spread_pins(AboutPivot, bpy.types.Operator):
     bl_idname = "planar.spread_pins"
     bl_label = "Spread Pins"
     bl_description = (
-        "Lead the selected pins away from their centre, or gather them there; the drawing follows"
+        "Lead the selected pins away from their centre, or gather them there; a patch alone is scaled. The "
+        "drawing follows"
     )
 
     mode = "SPREAD"
@@ -350,6 +355,15 @@ class PLANAR_OT_spread_pins(AboutPivot, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    scale_patches: BoolProperty(
+        name="Scale Patches",
+        description="Let patches grow with their distances. One that is selected alone is always scaled",
+        options={"SKIP_SAVE"},
+    )
+
+    def posing_model(self) -> type[Posing]:
+        return ScalingSpread if self.scale_patches else Spreading
+
     def edited(self, path: list[Sample], frame: PlaneFrame) -> list[Sample]:
         along = None if self.axis == "NONE" else plane_axes(frame, self.orientation).along(self.axis)
         # Along an axis that leaves the plane nothing can be spread.
@@ -364,6 +378,7 @@ class PLANAR_OT_spread_pins(AboutPivot, bpy.types.Operator):
         column = self.layout.column()
         column.use_property_split = True
         column.prop(self, "factor")
+        column.prop(self, "scale_patches")
         column.row().prop(self, "axis", expand=True)
         if self.axis != "NONE":
             column.prop(self, "orientation")

@@ -49,7 +49,9 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
             self.smooth = settings.smooth
         drawing = begin_shape(context)
         plan = planning.plan(drawing, path=self.path, smooth=self.smooth)
-        return Job(partial(writing.write, drawing, plan), plan.solve)
+        told = plan.told_of_pins()
+        summary = None if told is None else lambda _: told
+        return Job(partial(writing.write, drawing, plan), plan.solve, summary)
 
 
 class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):

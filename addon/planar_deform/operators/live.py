@@ -190,7 +190,7 @@ def _state(obj: bpy.types.Object) -> State:
     pins = (
         (
             *(pin.group, pin.lattice_point, pin.kind, pin.enabled, pin.weight),
-            *(pin.has_target, tuple(pin.target), tuple(pin.reached), pin.angle),
+            *(pin.has_target, tuple(pin.target), tuple(pin.reached), pin.angle, pin.scale),
         )
         for pin in obj.planar.pins
     )

@@ -17,7 +17,7 @@ from ..model.posing.pin_mirror import PinMirror
 from ..model.posing.pin_reset import PinReset
 from ..model.posing.pins import Holder
 from ..model.posing.pose_copy import CopiedPose, copied, pasted
-from ..model.posing.posing import PinResult
+from ..model.posing.posing import PinResult, result_of
 from ..model.posing.symmetry import NotSymmetricError, find_symmetry, partner_pins
 from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.objects import modifiers
@@ -132,8 +132,7 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
             holder, other = holders[index], holders[partner].pin
             if other.target is not None:
                 target = symmetry.reflected(other.target)
-                place = holder.place(positions)
-                results.append(PinResult(holder.pin.key, holder.part, target, place, -other.angle))
+                results.append(result_of(holder, positions, target, -other.angle, other.scale))
         _show(self, context, drawing, positions, results)
 
     def _by_pins(self, context: bpy.types.Context, drawing: CutoutObject, why: str) -> None:

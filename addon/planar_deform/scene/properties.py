@@ -21,6 +21,9 @@ from bpy.props import (
 )
 
 from ..errors import Refusal, try_all
+from ..model.posing.pin_path import EASES as PIN_EASES
+from ..model.posing.pin_path import KINDS as PIN_PATHS
+from ..model.posing.pins import LEAST_SCALE
 from ..model.timing.ease import EASES
 from .flatten import pushing
 from .motion import follow_offset, live
@@ -49,7 +52,7 @@ PATHS = (
 def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
     """Another kind or group holds the drawing where it is now; what the old one was asked for is past."""
     pin.has_target = False
-    pin.angle = 0.0
+    pin.angle, pin.scale = 0.0, 1.0
 
 
 def _is_mesh(_pin: PlanarPin, obj: bpy.types.Object) -> bool:
@@ -79,6 +82,32 @@ def _follow_bone(pin: PlanarPin, _context: bpy.types.Context) -> None:
 
 def _index_of(pin: PlanarPin) -> int:
     return next(index for index, other in enumerate(pin.id_data.planar.pins) if other == pin)
+
+
+def _is_curve(_path: PlanarPinPath, obj: bpy.types.Object) -> bool:
+    return bool(obj.type == "CURVE")
+
+
+class PlanarPinPath(bpy.types.PropertyGroup):
+    """How a pin goes from one pose to the next."""
+
+    pose: StringProperty(options={"HIDDEN"})  # the one from which it leads, by its name
+    kind: EnumProperty(
+        name="Pin Path", description="Way of the pin to the next pose", items=PIN_PATHS, options=NOT_ANIMATED
+    )
+    curve: PointerProperty(
+        type=bpy.types.Object,
+        name="Curve",
+        description="Curve along whose first spline the pin goes, from its begin to its end",
+        poll=_is_curve,
+        options=NOT_ANIMATED,
+    )
+    ease: EnumProperty(
+        name="Timing",
+        description="When the pin is how far on its path, between the two poses",
+        items=PIN_EASES,
+        options=NOT_ANIMATED,
+    )
 
 
 class PlanarPin(bpy.types.PropertyGroup):
@@ -149,6 +178,15 @@ class PlanarPin(bpy.types.PropertyGroup):
         unit="ROTATION",
         options=NOT_ANIMATED,
     )
+    scale: FloatProperty(
+        name="Scale",
+        description="What a patch has grown by since rest",
+        default=1.0,
+        min=LEAST_SCALE,
+        options=NOT_ANIMATED,
+    )
+    reached_scale: FloatProperty(options={"HIDDEN"})  # to which the last posing came; 0: it is not known
+    paths: CollectionProperty(type=PlanarPinPath)  # see storage/pin_paths.py
     # Object-local: where the pin was asked to be, and where the last posing left it.
     has_target: BoolProperty(options={"HIDDEN"})
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
@@ -266,6 +304,15 @@ class PlanarSettings(bpy.types.PropertyGroup):
     pins: CollectionProperty(type=PlanarPin)
     active_pin: IntProperty(name="Active Pin", description="Pin shown in the panel", options=NOT_ANIMATED)
     group_count: IntProperty(options={"HIDDEN"})  # vertex groups when the pins were last matched to them
+    use_mirror_x: BoolProperty(
+        name="Symmetry",
+        description=(
+            "Move, turn and scale pins together with their partners on the other side, paired by their names "
+            "(Hand.L, Hand.R) or places"
+        ),
+        update=_number,
+        options=NOT_ANIMATED,
+    )
     method: EnumProperty(
         name="Method",
         description="How the drawing follows the pins",
@@ -431,7 +478,7 @@ class PlanarSettings(bpy.types.PropertyGroup):
     cache_stamp: StringProperty(options={"HIDDEN"})
 
 
-CLASSES = (PlanarPin, PlanarPose, PlanarPlace, PlanarSeen, PlanarSettings)
+CLASSES = (PlanarPinPath, PlanarPin, PlanarPose, PlanarPlace, PlanarSeen, PlanarSettings)
 
 
 def register() -> None:

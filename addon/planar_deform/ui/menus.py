@@ -124,6 +124,8 @@ class PLANAR_MT_motion(PlanarMenu, bpy.types.Menu):
         column = self.column
         column.operator("planar.generate_inbetweens", icon="IPO_EASE_IN_OUT")
         column.operator("planar.remove_inbetweens", icon="X")
+        column.operator("planar.add_pin_path", icon="CURVE_PATH")
+        column.operator("planar.remove_pin_path", icon="REMOVE")
         column.separator()
         column.operator("planar.transfer_motion", icon="MOD_DATA_TRANSFER")
         column.operator("planar.edit_sequence", icon="SMOOTHCURVE")

@@ -85,6 +85,28 @@ def test_a_pin_that_stands_in_both_poses_stands_between_them(path, smooth):
     assert len(cage.planar.pins) == 2
 
 
+def test_several_pins_of_a_lattice_stand_each():
+    _, back, front = layered()
+    for vertex in (0, 4):
+        pin_at(back, vertex)
+    pin_at(front, 20)
+    size = np.linalg.norm(np.ptp(world(back, evaluated(back)), axis=0))
+    go_to(1)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    go_to(13)
+    bpy.ops.planar.drag_pins(offset=(-0.5, 0.9))
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    held = [place_of(back, [vertex]) for vertex in (0, 4)]
+    go_to(1)
+    gap = max(np.linalg.norm(place_of(back, [v]) - place) for v, place in zip((0, 4), held, strict=True))
+    assert gap < 1e-3 * size
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    for frame in range(2, 13):
+        go_to(frame)
+        for vertex, place in zip((0, 4), held, strict=True):
+            assert np.linalg.norm(place_of(back, [vertex]) - place) < gap + 2e-4 * size
+
+
 def test_a_point_of_the_lattice_that_is_pinned_stands_too():
     cage, back, _ = layered()
     assert bpy.ops.planar.add_pin(lattice_point=31) == {"FINISHED"}

@@ -381,7 +381,8 @@ def test_in_betweens_of_a_dense_drawing_go_through_the_cage(dense):
     diagonal = np.linalg.norm(np.ptp(keyed[0], axis=0))
     for one, other in zip(caged, whole, strict=True):
         assert not np.array_equal(one, other)
-        assert np.linalg.norm(one - other, axis=1).max() < 5e-3 * diagonal
+        # Pins that stand are held each by the second alone.
+        assert np.linalg.norm(one - other, axis=1).max() < 7e-3 * diagonal
 
 
 def test_quads_are_cut_as_blender_cuts_them():

@@ -14,6 +14,7 @@ import numpy as np
 
 from ... import native
 from ..plane.frame import Array, Indices
+from ..posing.held_pins import GuidedMotion
 
 LEAST_SHARE = 1e-3  # pins that follow the lattice less than this do not lead it
 
@@ -22,6 +23,7 @@ LEAST_SHARE = 1e-3  # pins that follow the lattice less than this do not lead it
 class PinPlaces:
     """Pins (k) of a lattice of N points: each is at its offset + shares · points."""
 
+    keys: list[int]  # their indices in the object's pin list
     offsets: Array  # k x 2
     shares: Array  # k x N
 
@@ -47,12 +49,16 @@ class PinPlaces:
 
 @dataclass(frozen=True, eq=False)
 class LedMotion:
-    """The motion of the points alone, moved along so that the pins' mean is where the solver has it."""
+    """The motion of the points alone, moved along so that the pins' mean is where the solver has it.
 
-    motion: native.Inbetweens  # of points and places
+    Pins that are held are there each: the points change by as little as takes them there.
+    """
+
+    motion: native.Inbetweens | GuidedMotion  # of points and places
     places: PinPlaces
     times: Sequence[float]  # of the keys
     leading: Sequence[Indices]  # in each transition between them, pins by number
+    held: Sequence[Indices]  # likewise
 
     def at(self, times: Sequence[float] | Array, *, overshoot: bool = False) -> Array:
         """Positions f x N x 2."""
@@ -62,9 +68,14 @@ class LedMotion:
         gaps = found[:, count:] - self.places.of(points)
         follows = self.places.shares.sum(axis=1)
         latest = np.searchsorted(self.times, times, "right") - 1
-        for frame, transition in enumerate(np.clip(latest, 0, len(self.leading) - 1)):
-            pins = self.leading[int(transition)]
+        for frame, transition in enumerate(np.clip(latest, 0, len(self.leading) - 1).tolist()):
+            pins = self.leading[transition]
             share = follows[pins].mean()
             if share > LEAST_SHARE:
                 points[frame] += gaps[frame, pins].mean(axis=0) / share
+            pins = self.held[transition]
+            pins = pins[follows[pins] > LEAST_SHARE]
+            if len(pins):
+                left = found[frame, count + pins] - self.places.of(points[frame])[pins]
+                points[frame] += np.linalg.lstsq(self.places.shares[pins], left, rcond=None)[0]
         return np.ascontiguousarray(points)

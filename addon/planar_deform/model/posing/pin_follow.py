@@ -24,6 +24,7 @@ class Goal(NamedTuple):
 
     place: Array  # (2,), or (3,) with its depth
     angle: float | None = None  # from rest in radians, if a patch is to be turned
+    scale: float | None = None  # from rest, if one is to be scaled
 
 
 class PinFollow(Posing):
@@ -84,6 +85,12 @@ class PinFollow(Posing):
         place, goal = self._from[holder.pin.key], self._goals[holder.pin.key]
         turn = 0.0 if goal.angle is None else goal.angle - start[1]
         return place + sample[0] * (goal.place - place), start[1] + sample[0] * turn
+
+    def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
+        goal = self._goals.get(holder.pin.key)
+        if goal is None or goal.scale is None:
+            return begun
+        return begun + sample[0] * (goal.scale - begun)
 
 
 def nearest_turn(angle: float, to: float) -> float:

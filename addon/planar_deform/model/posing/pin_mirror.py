@@ -12,8 +12,8 @@ from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..plane.locate import nearest_point
-from .pins import Holder, Pin, rotation
-from .posing import RAMP_SAMPLES, PinResult, Posing, Sample
+from .pins import Holder, Kind, Pin, rotation
+from .posing import RAMP_SAMPLES, PinResult, Posing, Sample, result_of, start_scale_of
 from .side_names import flipped
 from .symmetry import Symmetry, nearest
 
@@ -27,6 +27,7 @@ class _Handle:
     pin: Pin
     target: Array  # (2,)
     angle: float
+    scale: float
 
 
 class PinMirror(Posing):
@@ -50,11 +51,7 @@ class PinMirror(Posing):
     ):
         self._pins = [holder for _, holder in pins]
         self._places = [holder.place(cutout.rest) for holder in self._pins]
-        partners = _by_name([name for name, _ in pins])
-        self._symmetry = _mirror(
-            cutout, axis, [(self._places[a], self._places[b]) for a, b in partners.items()]
-        )
-        self._add_by_place(partners, NEAR * cutout.diagonal)
+        partners, self._symmetry = paired(cutout, pins, axis)
         count = sum(index < partner for index, partner in partners.items())
         self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
         self._handles: dict[int, _Handle] = {}
@@ -83,7 +80,8 @@ class PinMirror(Posing):
                 handle = self._handles.get(holder.pin.key)
                 target = place if handle is None else handle.target
                 angle = holder.fitted_angle(self.positions) if handle is None else handle.angle
-                results.append(PinResult(holder.pin.key, holder.part, target, place, angle))
+                scale = holder.held_scale(self.positions) if handle is None else handle.scale
+                results.append(result_of(holder, self.positions, target, angle, scale))
         return results
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
@@ -92,20 +90,8 @@ class PinMirror(Posing):
         share = sample[0]
         return place + share * (handle.target - place), turned + share * (handle.angle - turned)
 
-    def _add_by_place(self, partners: dict[int, int], near: float) -> None:
-        """Pair those without a partner that rest where another one's mirror image does, or their own."""
-        left = [index for index in range(len(self._pins)) if index not in partners]
-        gaps = np.full((len(left), len(left)), np.inf)
-        for row, index in enumerate(left):
-            image = self._symmetry.reflected(self._places[index])
-            for column, other in enumerate(left):
-                if self._pins[other].pin.kind == self._pins[index].pin.kind:
-                    gaps[row, column] = np.linalg.norm(self._places[other] - image)
-            gaps[row, row] /= 2.0  # what is off the mirror line is twice as far from its own image
-        for row, index in enumerate(left):
-            column = int(np.argmin(gaps[row]))
-            if gaps[row, column] <= near and np.argmin(gaps[column]) == row:
-                partners[index] = left[column]
+    def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
+        return begun + sample[0] * (self._handles[holder.pin.key].scale - begun)
 
     def _hold(self, cutout: Cutout, positions: Array, index: int, partners: dict[int, int]) -> None:
         """What a pin does, done by its partner."""
@@ -119,8 +105,9 @@ class PinMirror(Posing):
         else:
             found = self._opposite(cutout, index)
             pin, rest = (holder.pin, self._places[index]) if found is None else found
-        pin = replace(pin, enabled=True, target=None, angle=0.0)
-        self._handles[pin.key] = _Handle(pin, rest + mirrored, -angle)
+        pin = replace(pin, enabled=True, target=None, angle=0.0, scale=1.0)
+        scale = start_scale_of(holder, positions)
+        self._handles[pin.key] = _Handle(pin, rest + mirrored, -angle, scale)
 
     def _nearly(self, cutout: Cutout) -> Array:
         """The rest shape as one piece where the handles are to be: the way from there is short."""
@@ -148,6 +135,37 @@ class PinMirror(Posing):
             pin = replace(holder.pin, vertices=cutout.triangles[found.triangle], weights=found.weights)
         pin = replace(pin, key=-1 - index)  # no pin of the list
         return pin, Holder(pin, cutout).place(cutout.rest)
+
+
+def paired(cutout: Cutout, pins: Sequence[tuple[str, Holder]], axis: int) -> tuple[dict[int, int], Symmetry]:
+    """The partner of each pin that has one, by their places in the list, and the mirror. `axis` as there."""
+    places = [holder.place(cutout.rest) for _, holder in pins]
+    partners = _by_name([name for name, _ in pins])
+    symmetry = _mirror(cutout, axis, [(places[a], places[b]) for a, b in partners.items()])
+    _add_by_place(partners, [holder.pin.kind for _, holder in pins], places, symmetry, NEAR * cutout.diagonal)
+    return partners, symmetry
+
+
+def _add_by_place(
+    partners: dict[int, int],
+    kinds: Sequence[Kind],
+    places: Sequence[Array],
+    symmetry: Symmetry,
+    near: float,
+) -> None:
+    """Pair those without a partner that rest where another one's mirror image does, or their own."""
+    left = [index for index in range(len(places)) if index not in partners]
+    gaps = np.full((len(left), len(left)), np.inf)
+    for row, index in enumerate(left):
+        image = symmetry.reflected(places[index])
+        for column, other in enumerate(left):
+            if kinds[other] == kinds[index]:
+                gaps[row, column] = np.linalg.norm(places[other] - image)
+        gaps[row, row] /= 2.0  # what is off the mirror line is twice as far from its own image
+    for row, index in enumerate(left):
+        column = int(np.argmin(gaps[row]))
+        if gaps[row, column] <= near and np.argmin(gaps[column]) == row:
+            partners[index] = left[column]
 
 
 def _by_name(names: Sequence[str]) -> dict[int, int]:

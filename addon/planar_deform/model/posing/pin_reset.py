@@ -37,12 +37,17 @@ class PinReset(Posing):
             self.move(step / RAMP_SAMPLES, 0.0, 0.0)
         self.settle()
 
-    def _handle_targets(self, holder: Holder, target: Array, angle: float, sample: Sample) -> Array:
-        targets = super()._handle_targets(holder, target, angle, sample)
+    def _handle_targets(
+        self, holder: Holder, target: Array, angle: float, scale: float, sample: Sample
+    ) -> Array:
+        targets = super()._handle_targets(holder, target, angle, scale, sample)
         if holder.cutout.flat or not self._moves(holder):
             return targets
         resting = self._resting[holder.pin.key].handle_targets(target, 0.0)
         return targets + sample[0] * (resting - targets)
+
+    def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
+        return begun + sample[0] * (1.0 - begun) if self._moves(holder) else begun
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         if not self._moves(holder):

@@ -16,6 +16,8 @@ from ..plane.locate import MeshPoint, at, nearest_point
 from ..plane.space import nearest_in_space
 
 Kind = Literal["POINT", "PATCH"]
+AS_AT_REST = 0.02  # of a patch that nobody has scaled: grown by less it is held as large as at rest
+LEAST_SCALE = 0.05  # a patch of no size would have no shape
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,7 @@ class Pin:
     enabled: bool = True
     weight: float = 1.0  # how strongly the pin holds, relative to what the method does by itself
     angle: float = 0.0  # radians a patch is turned from rest
+    scale: float = 1.0  # what a patch has grown by since rest
     target: Array | None = None  # (2,) where the pin was asked to be, None: wherever it is
 
 
@@ -70,6 +73,25 @@ class Holder:
         across = float(self.shares @ (self._arms[:, 0] * arms[:, 1] - self._arms[:, 1] * arms[:, 0]))
         return math.atan2(across, along) if along or across else self.pin.angle
 
+    @property
+    def size(self) -> float:
+        """Of a patch at rest: how far its vertices are from its middle, in the mean of squares."""
+        return math.sqrt(float(self.shares @ (self._arms[:, :2] ** 2).sum(axis=1)))
+
+    def fitted_scale(self, positions: Array) -> float:
+        """What a patch has grown by since rest, by the similarity that fits it best; 1 where none does."""
+        size, angle = self.size, self.fitted_angle(positions)
+        if self.pin.kind == "POINT" or not size:
+            return 1.0
+        arms = positions[self.pin.vertices] - self.place(positions)
+        along = (turned(self._arms[:, :2], angle) * arms[:, :2]).sum(axis=1)
+        return float(self.shares @ along) / size**2
+
+    def held_scale(self, positions: Array) -> float:
+        """What a patch is held at of which nothing was asked: what it has grown by, if that is seen."""
+        scale = self.fitted_scale(positions)
+        return 1.0 if abs(scale - 1.0) < AS_AT_REST else max(scale, LEAST_SCALE)
+
     def handle_vertices(self) -> tuple[Indices, Array]:
         """Triangles (k,) and barycentric weights k x 3 of the pin's handles."""
         if self._point is not None:
@@ -80,16 +102,16 @@ class Holder:
         weights[np.arange(len(corners)), corners % 3] = 1.0
         return (corners // 3).astype(np.int32), weights
 
-    def handle_targets(self, target: Array, angle: float) -> Array:
-        """Where the handles should be (k x 2) when the pin is at `target` and turned by `angle`."""
+    def handle_targets(self, target: Array, angle: float, scale: float = 1.0) -> Array:
+        """Where the handles should be (k x 2) when the pin is at `target`, turned and scaled from rest."""
         if self._point is not None:
             return target[None, :]
-        return target + turned(self._arms, angle)
+        return target + scale * turned(self._arms, angle)
 
     def as_shown(self, positions: Array) -> Holder:
-        """This one with its patch, unturned, as n x 3 positions have it: no angle from rest tells that."""
+        """This one with its patch, unturned and unscaled, as n x 3 positions have it: no angle tells that."""
         shown = copy(self)
-        shown.pin = replace(self.pin, angle=0.0)
+        shown.pin = replace(self.pin, angle=0.0, scale=1.0)
         shown._arms = positions[self.pin.vertices] - self.place(positions)
         return shown
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..plane.connectivity import Connectivity
 from ..plane.frame import Array
 from .pins import Holder, Kind
-from .posing import PinResult
+from .posing import PinResult, result_of
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class CopiedPin:
     kind: Kind
     offset: Array  # (2,)
     angle: float
+    scale: float
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,12 @@ def copied(
     """The pose of a drawing (at rest n x 2) that stands at n x 2 positions, with its pins by name."""
     extents = np.ptp(rest, axis=0)
     targets = {
-        name: CopiedPin(holder.pin.kind, (holder.pin.target - holder.place(rest)) / extents, holder.pin.angle)
+        name: CopiedPin(
+            holder.pin.kind,
+            (holder.pin.target - holder.place(rest)) / extents,
+            holder.pin.angle,
+            holder.pin.scale,
+        )
         for name, holder in pins
         if holder.pin.target is not None
     }
@@ -56,5 +62,5 @@ def pasted(
         pin = pose.pins.get(name)
         if pin is not None and pin.kind == holder.pin.kind:
             target = holder.place(rest) + pin.offset * extents
-            results.append(PinResult(holder.pin.key, holder.part, target, holder.place(positions), pin.angle))
+            results.append(result_of(holder, positions, target, pin.angle, pin.scale))
     return positions, results

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -49,6 +49,8 @@ class PinResult:
     target: Array  # (2,) where it was asked to be
     reached: Array  # (2,) where it is
     angle: float
+    scale: float  # what a patch was asked to grow by
+    reached_scale: float  # and has
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,12 @@ class Posing:
             raise ValueError("pins: none is enabled")
         self._moving = frozenset(moving)
         self._starts = self._begun = [start_of(holder, positions) for holder in self._holders]
+        self._scales = self._scales_begun = [start_scale_of(holder, positions) for holder in self._holders]
         # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
         # None: they stay. Asked wherever it is solved, which may be in another thread.
         self.played: Callable[[int], Array | None] | None = None
+        # By the key of a pin that goes along with a moving one, seen in a mirror across u: that one's.
+        self.mirrored: Mapping[int, int] = {}
         if pivot is None:
             movers = [
                 place
@@ -106,7 +111,7 @@ class Posing:
         self.positions = self._start  # n x 2, after the last move
         self.path: list[Sample] = []
         self._refinements = 0
-        self._starts = self._begun
+        self._starts, self._scales = self._begun, self._scales_begun
         self._playing: Array | None = None
 
     @property
@@ -143,6 +148,10 @@ class Posing:
             start if self._moves(holder) else (holder.place(shape), holder.fitted_angle(shape))
             for holder, start in zip(self._holders, self._begun, strict=True)
         ]
+        self._scales = [
+            scale if self._moves(holder) else holder.held_scale(shape)
+            for holder, scale in zip(self._holders, self._scales_begun, strict=True)
+        ]
         return True
 
     def settle(self) -> Array:
@@ -161,10 +170,8 @@ class Posing:
         """Where each enabled pin was asked to be and where it is, now."""
         sample = self.path[-1] if self.path else (0.0, 0.0, 0.0)
         results = []
-        for holder, start in zip(self._holders, self._starts, strict=True):
-            target, angle = self._aim(holder, start, sample)
-            reached = holder.place(self.positions)
-            results.append(PinResult(holder.pin.key, holder.part, target, reached, angle))
+        for index, holder in enumerate(self._holders):
+            results.append(result_of(holder, self.positions, *self._aim_of(index, sample)))
         return results
 
     def _moves(self, holder: Holder) -> bool:
@@ -179,16 +186,35 @@ class Posing:
         aim[:2] += du, dv
         return aim, begun + angle
 
+    def _grown(self, _holder: Holder, begun: float, _sample: Sample) -> float:
+        """What a patch has to have grown by since rest; `begun` at the start."""
+        return begun
+
     def _targets(self, sample: Sample) -> Array:
         targets = [
-            self._handle_targets(holder, *self._aim(holder, start, sample), sample)
-            for holder, start in zip(self._holders, self._starts, strict=True)
+            self._handle_targets(holder, *self._aim_of(index, sample), sample)
+            for index, holder in enumerate(self._holders)
         ]
         return np.concatenate(targets)
 
-    def _handle_targets(self, holder: Holder, target: Array, angle: float, _sample: Sample) -> Array:
-        """Where the handles of a pin should be that is to be at a target, turned by an angle."""
-        return holder.handle_targets(target, angle)
+    def _aim_of(self, index: int, sample: Sample) -> tuple[Array, float, float]:
+        """Where a pin is to be, how far turned and scaled from rest: by itself, or as the one it mirrors."""
+        holder, start, scale = self._holders[index], self._starts[index], self._scales[index]
+        led_by = self.mirrored.get(holder.pin.key)
+        if led_by is None:
+            return *self._aim(holder, start, sample), self._grown(holder, scale, sample)
+        leader = next(i for i, other in enumerate(self._holders) if other.pin.key == led_by)
+        (place, angle), before = self._starts[leader], self._scales[leader]
+        aim, turned_to, grown = self._aim_of(leader, sample)
+        way = aim - place
+        way[0] *= -1.0
+        return start[0] + way, start[1] - (turned_to - angle), scale * grown / before
+
+    def _handle_targets(
+        self, holder: Holder, target: Array, angle: float, scale: float, _sample: Sample
+    ) -> Array:
+        """Where the handles of a pin should be that is to be at a target, turned and scaled from rest."""
+        return holder.handle_targets(target, angle, scale)
 
     def _set_handles(self, poser: Poser) -> None:
         triangles, corners, weights, groups = self._told()
@@ -211,6 +237,17 @@ def start_of(holder: Holder, positions: Array) -> tuple[Array, float]:
     if holder.pin.target is not None:
         return holder.pin.target, holder.pin.angle
     return holder.place(positions), holder.fitted_angle(positions)
+
+
+def start_scale_of(holder: Holder, positions: Array) -> float:
+    """What a patch is held at likewise."""
+    return holder.pin.scale if holder.pin.target is not None else holder.held_scale(positions)
+
+
+def result_of(holder: Holder, positions: Array, target: Array, angle: float, scale: float) -> PinResult:
+    """That of a pin on n x 2 positions, of which these were asked."""
+    place, reached_scale = holder.place(positions), holder.fitted_scale(positions)
+    return PinResult(holder.pin.key, holder.part, target, place, angle, scale, reached_scale)
 
 
 def carried_path(

@@ -6,16 +6,27 @@ from __future__ import annotations
 import numpy as np
 
 from ..plane.frame import Array
-from .pins import Holder
+from .pins import LEAST_SCALE, Holder
 from .posing import Posing, Sample, ramp, thinned
 
 
 class Spreading(Posing):
     """Takes the moving pins straight away from the pivot, patches unturned; the others hold.
 
+    A patch that moves alone is scaled where it is, unless along an axis.
+
     A sample is what is added to the unit matrix that takes the pins' arms from the pivot to what they become:
     uu, vv and uv of a symmetric one, see growth().
     """
+
+    scales_patches = False  # all that move, with the ways between them
+
+    def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
+        uu, vv, uv = sample
+        alone = sum(self._moves(other) for other in self._holders) == 1
+        if not self._moves(holder) or not (alone or self.scales_patches) or uu != vv or uv:
+            return begun
+        return max(begun * (1.0 + uu), LEAST_SCALE)
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         if not self._moves(holder):
@@ -25,6 +36,12 @@ class Spreading(Posing):
         aim = place.copy()
         aim[:2] += np.array([[uu, uv], [uv, vv]]) @ (place - self.pivot)[:2]
         return aim, turned
+
+
+class ScalingSpread(Spreading):
+    """Scales patches as it spreads them."""
+
+    scales_patches = True
 
 
 def growth(share: float, axis: tuple[float, float] | None = None) -> Sample:

@@ -14,6 +14,7 @@ from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array
 from ...model.posing import solving
+from ...model.posing.pin_mirror import paired
 from ...model.posing.pins import Holder
 from ...model.posing.posing import MOST_REFINEMENTS, Posing, Sample, Solved
 from ...scene.flatten import pushing
@@ -115,7 +116,18 @@ class ObjectPosing:
             make_poser = partial(self.drawing.poser, self._method, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
             self._model = self._make_model(cutout, positions, self._pins, moving, make_poser, self._pivot)
+            self._model.mirrored = self._mirrored(moving, usable)
         return self._model
+
+    def _mirrored(self, moving: set[int], usable: set[int]) -> dict[int, int]:
+        """The pins that go along with their partners on the other side, and these, by their keys."""
+        settings, cutout = self.drawing.resolve().planar, self.drawing.cutout
+        if not settings.use_mirror_x or not cutout.flat:
+            return {}
+        named = [(settings.pins[pin.key].name, Holder(pin, cutout)) for pin in self._pins]
+        partners, _ = paired(cutout, named, axis=0)
+        keys = ((self._pins[other].key, self._pins[index].key) for index, other in partners.items())
+        return {other: key for other, key in keys if key in moving and other in usable - moving}
 
     @cached_property
     def leading(self) -> Holder | None:

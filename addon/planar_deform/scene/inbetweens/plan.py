@@ -12,6 +12,8 @@ import numpy as np
 from ... import native
 from ...model.lattice.pin_places import LedMotion, PinPlaces
 from ...model.plane.frame import Array, Array32, Indices
+from ...model.posing.held_pins import Guide, GuidedMotion, HeldPin, PinnedOptions, pinned
+from ...model.posing.pin_path import PinPath
 from ...model.timing.order_of_time import Entry
 from ...model.work import Progress
 from ..objects.any_object import AnyObject
@@ -19,6 +21,8 @@ from . import joints
 
 PLANTED = 1e-3  # of the diagonal: a pin that has moved less between two poses stands still
 _SAMPLED = 0.1  # of the share of the work: sampling, after solving
+_SAMPLED_WITH_PINS = 0.7
+_AT_ONCE = 8  # frames that are sampled between two looks at whether to go on
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,15 @@ class Blend:
         return np.stack(found)
 
 
+@dataclass(frozen=True)
+class _Holds:
+    """What holds a drawing on its way between two keys."""
+
+    anchor: Indices | None  # the vertices whose mean moves on the path
+    joints: Indices  # of the parts
+    flags: list[bool]  # of each pin, whether it is held: it stands, or has a path
+
+
 @dataclass
 class Plan:
     """What is to be generated: plain data, so that it can be solved in a thread."""
@@ -52,10 +65,12 @@ class Plan:
     times: list[float]  # of the keys: frames, without those over which a pose is held
     counts: list[int]  # of each transition k -> k + 1: how many to generate
     turns: list[int]
-    held: list[Indices]  # vertices of each pin in each part; those of `places` are behind the drawing's
+    held: list[HeldPin]  # the enabled pins; the vertices of `places` are behind the drawing's
     places: PinPlaces | None  # of a lattice's pins
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
+    # Of each transition, by the pins' keys; none at all while they are not known.
+    pin_paths: list[dict[int, PinPath]] = field(default_factory=list)
     cage: int | None = None  # see storage/cage.py
     # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
     # shapes stay, and what there was.
@@ -74,34 +89,64 @@ class Plan:
             keys=[self.keys[key] for key in chosen],
             times=[self.times[key] for key in chosen],
             turns=turns,
+            pin_paths=[
+                self.pin_paths[before] if self.pin_paths and after == before + 1 else {}
+                for before, after in itertools.pairwise(chosen)
+            ],
             counts=[0] * len(turns),
         )
 
     def motion(
         self, first: int = 0, last: int | None = None, progress: Progress | None = None
-    ) -> native.Inbetweens | LedMotion | Blend:
+    ) -> native.Inbetweens | GuidedMotion | LedMotion | Blend:
         """The way through keys `first` to `last`, at their `times`. Raises SolveError, Cancelled."""
         last = len(self.keys) - 1 if last is None else last
+        times = self.times[first : last + 1]
         if not self.elements:
-            return Blend(np.stack(self.keys[first : last + 1]), self.times[first : last + 1])
-        anchors, joined = zip(*(self._holds(transition) for transition in range(first, last)), strict=True)
-        motion = native.Inbetweens(
+            return Blend(np.stack(self.keys[first : last + 1]), times)
+        holds = [self._holds(transition) for transition in range(first, last)]
+        flags = [hold.flags for hold in holds] if self.cage is None else []
+        pins: PinnedOptions = pinned(self.held, flags) if np.any(flags) else {}
+        free = native.Inbetweens(
             np.stack([self._with_places(key) for key in self.keys[first : last + 1]]),
             **self.elements,
             rest=self._with_places(self.rest),
-            key_times=self.times[first : last + 1],
+            key_times=times,
             turns=np.array(self.turns[first:last], np.int32)[:, None],
-            anchor=anchors,
+            anchor=[hold.anchor for hold in holds],
             anchor_path="arc" if self.path == "ARC" else "straight",
-            joints=joined,
+            joints=[hold.joints for hold in holds],
             smooth=self.smooth,
             cage=self.cage,
             progress=progress,
+            **pins,
         )
+        guides = {number: self._guides(first + number) for number in range(last - first)} if pins else {}
+        guided = any(guides.values())
+        motion = GuidedMotion(free, times, guides, self.held) if guided else free
         if self.places is None:
             return motion
-        leading = [anchor - len(self.rest) for anchor in anchors]
-        return LedMotion(motion, self.places, self.times[first : last + 1], leading)
+        leading = [hold.anchor - len(self.rest) for hold in holds if hold.anchor is not None]  # all of them
+        return LedMotion(motion, self.places, times, leading, [np.flatnonzero(hold.flags) for hold in holds])
+
+    def told_of_pins(self) -> str | None:
+        """That pins are not held which should be; None where all are."""
+        if self.cage is None or not any(any(self._holds(number).flags) for number in range(len(self.counts))):
+            return None
+        return (
+            "Solved coarsely: pins that stand or have paths are held by their middle only. Raise Solve "
+            "Coarsely Above to hold each"
+        )
+
+    def ends(self, transition: int) -> tuple[Array, Array]:
+        """The shapes before and behind a transition, with the places."""
+        before, after = self.keys[transition : transition + 2]
+        return self._with_places(before), self._with_places(after)
+
+    @property
+    def near(self) -> float:
+        """How far apart what stands may be in two poses."""
+        return PLANTED * self.drawing.diagonal
 
     def _with_places(self, shape: Array) -> Array:
         return shape if self.places is None else self.places.extended(shape)
@@ -110,17 +155,20 @@ class Plan:
         """The generated positions, n x 2 each, in order. Raises SolveError and Cancelled."""
         found: list[Array] = []
         runs = self._runs()
+        sampled = _SAMPLED_WITH_PINS if self.held and self.cage is None else _SAMPLED
         for number, (first, last) in enumerate(runs):
 
+            def told(share: float, number: int = number) -> bool:
+                return progress is None or progress((number + share) / len(runs))
+
             def solved(share: float, number: int = number) -> bool:
-                return progress is None or progress((number + (1.0 - _SAMPLED) * share) / len(runs))
+                return told((1.0 - sampled) * share, number)
 
             motion = self.motion(first, last, solved)
-            for transition in range(first, last):
-                if self.counts[transition]:
-                    found += list(motion.at(self._sample_times(transition)))
-                share = (transition + 1 - first) / (last - first)
-                if progress is not None and not progress((number + share) / len(runs)):
+            times = np.concatenate([self._sample_times(transition) for transition in range(first, last)])
+            for done in range(0, len(times), _AT_ONCE):
+                found += list(motion.at(times[done : done + _AT_ONCE]))
+                if not told(1.0 - sampled * max(0.0, 1.0 - (done + _AT_ONCE) / len(times))):
                     raise native.Cancelled
         return found
 
@@ -134,22 +182,47 @@ class Plan:
         blended = before * np.float32(1.0 - share) + after * np.float32(share)
         return self.drawing.moved(blended, positions)
 
-    def _holds(self, transition: int) -> tuple[Indices | None, Indices]:
-        """The vertices whose mean moves on the path, and the joints of the parts, in a transition.
+    def _holds(self, transition: int) -> _Holds:
+        """What holds the drawing in a transition.
 
         Pins that stand still hold their parts; those parts that have none go by all their pins.
         """
-        before, after = (self._with_places(key) for key in self.keys[transition : transition + 2])
-        parts_of = self.drawing.parts
-        if self.places is not None:  # all of a lattice is one part
-            parts_of = np.zeros(len(before), np.int32)
-        gaps = [np.linalg.norm(before[rows].mean(axis=0) - after[rows].mean(axis=0)) for rows in self.held]
-        near = PLANTED * self.drawing.diagonal
-        planted = [rows for rows, gap in zip(self.held, gaps, strict=True) if gap <= near]
-        parts = {int(parts_of[rows[0]]) for rows in planted}
-        chosen = planted + [rows for rows in self.held if int(parts_of[rows[0]]) not in parts]
+        before, after = self.ends(transition)
+        parts_of = self._parts
+        stands = [pin.stands(before, after, self.near) for pin in self.held]
+        held = [(rows, still) for pin, still in zip(self.held, stands, strict=True) for rows in pin.vertices]
+        parts = {int(parts_of[rows[0]]) for rows, still in held if still}
+        chosen = [rows for rows, still in held if still or int(parts_of[rows[0]]) not in parts]
         anchor = np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None
-        return anchor, joints.find(self._with_places(self.rest), before, after, parts_of, parts)
+        found = joints.find(self._with_places(self.rest), before, after, parts_of, parts)
+        guided = self._paths(transition)
+        return _Holds(
+            anchor, found, [still or pin.key in guided for pin, still in zip(self.held, stands, strict=True)]
+        )
+
+    def _paths(self, transition: int) -> dict[int, PinPath]:
+        return self.pin_paths[transition] if self.pin_paths else {}
+
+    def _guides(self, transition: int) -> list[Guide]:
+        """The pins that are to go on paths in a transition."""
+        rest, (before, after) = self._with_places(self.rest), self.ends(transition)
+        guides, row = [], 0
+        for pin in self.held:
+            count = len(pin.triangles)
+            path = self._paths(transition).get(pin.key)
+            if path is not None:
+                rows = np.arange(row, row + count, dtype=np.int32)
+                turn = pin.turn(rest, self._parts, before, after)
+                guides.append(Guide(path, rows, pin.middle(before), pin.middle(after), turn))
+            row += count
+        return guides
+
+    @property
+    def _parts(self) -> Indices:
+        """Of all vertices, those of the places too; all of a lattice is one part."""
+        if self.places is None:
+            return self.drawing.parts
+        return np.zeros(len(self.rest) + len(self.places.offsets), np.int32)
 
     def _sample_times(self, transition: int) -> Array:
         count = self.counts[transition]

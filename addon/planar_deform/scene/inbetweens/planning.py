@@ -19,7 +19,10 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
+from ...model.lattice.pin_places import PinPlaces
 from ...model.plane.frame import Array32, Indices
+from ...model.posing.held_pins import HeldPin
+from ...model.posing.pins import Holder
 from ...model.timing.order_of_time import Entry, durations, even, frames_between
 from ..lattice.pinned_places import pinned_places
 from ..objects.any_object import AnyObject, shape_refusal
@@ -32,6 +35,7 @@ from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
 from ..storage import changes
 from ..storage.cage import cage_of
 from ..storage.points import read_block
+from . import guiding
 from .plan import Plan
 
 
@@ -78,7 +82,7 @@ def plan(
     entries_played = entries[played[0] : played[-1] + 1]
     listed = {pose.at: pose for pose in obj.planar.poses}
     stamps = Stamps(obj)
-    made_of, shapes, turns = [], [], []
+    made_of, shapes, turns, names = [], [], [], []
     for entry in entries_played:
         pose = listed.get(starts[entry.block])
         eval_time = starts[entry.block]
@@ -87,7 +91,8 @@ def plan(
         made_of.append(stamps.digest(eval_time))
         shapes.append(read_block(obj, block_at(obj.data.shape_keys, eval_time)))
         turns.append(0 if pose is None or entry.copy else pose.turns)
-    result = _plan_of(drawing, obj, shapes, turns[:-1])
+        names.append("" if pose is None or entry.copy else pose.name)
+    result = _plan_of(drawing, obj, shapes, turns[:-1], names[:-1])
     if path is not None:
         result.path = path
     if smooth is not None:
@@ -119,19 +124,27 @@ def way(drawing: AnyObject, poses: Sequence[int], times: Sequence[float]) -> Pla
     obj = drawing.resolve()
     chosen = [obj.planar.poses[pose] for pose in poses]
     shapes = [read_block(obj, pose_state.block_of(obj, pose)) for pose in poses]
-    result = _plan_of(drawing, obj, shapes, [pose.turns for pose in chosen[:-1]])
+    turns, names = zip(*((pose.turns, pose.name) for pose in chosen[:-1]), strict=True)
+    result = _plan_of(drawing, obj, shapes, list(turns), names)
     result.times = list(times)
     return result
 
 
-def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], turns: list[int]) -> Plan:
-    """A plan for these poses, without times and counts."""
+def _plan_of(
+    drawing: AnyObject,
+    obj: bpy.types.Object,
+    shapes: list[Array32],
+    turns: list[int],
+    names: Sequence[str],
+) -> Plan:
+    """A plan for these poses, without times and counts; turns and names are of those before transitions."""
     elements, held, places = drawing.elements, _held(drawing, obj), None
     if isinstance(drawing, LatticeObject) and (places := pinned_places(obj, drawing)) is not None:
         joined = places.triangles(drawing.rest, drawing.cells)
+        first = len(elements["triangles"])
         elements = {"triangles": np.concatenate([elements["triangles"], joined])}
-        held = [np.array([row], np.int32) for row in len(drawing.rest) + np.arange(len(places.offsets))]
-    return Plan(
+        held = _held_places(places, len(drawing.rest), elements["triangles"], first)
+    result = Plan(
         drawing=drawing,
         shapes=shapes,
         keys=[drawing.flattened(shape) for shape in shapes],
@@ -146,17 +159,37 @@ def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], t
         smooth=obj.planar.smooth,
         cage=cage_of(obj),
     )
+    if held:
+        result.pin_paths = [guiding.paths(obj, result, number, name) for number, name in enumerate(names)]
+    return result
 
 
-def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[Indices]:
-    """The vertices of each enabled pin in each part."""
-    pins = pin_list.model_pins(obj, drawing) if isinstance(drawing, CutoutObject) else []
-    return [
-        pin.vertices[drawing.parts[pin.vertices] == part]
-        for pin in pins
-        if pin.enabled
-        for part in np.unique(drawing.parts[pin.vertices])
-    ]
+def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[HeldPin]:
+    """The enabled pins."""
+    if not isinstance(drawing, CutoutObject):
+        return []
+    found = []
+    for pin in pin_list.model_pins(obj, drawing):
+        if not pin.enabled:
+            continue
+        triangles, weights = Holder(pin, drawing.cutout).handle_vertices()
+        corners = drawing.faces[triangles]
+        rows = corners[np.arange(len(corners)), weights.argmax(axis=1)]
+        of_group = drawing.parts[pin.vertices]
+        vertices = [pin.vertices[of_group == part] for part in np.unique(of_group)]
+        found.append(HeldPin(pin.key, triangles, corners, weights, drawing.parts[rows], vertices))
+    return found
+
+
+def _held_places(places: PinPlaces, first_row: int, triangles: Indices, first: int) -> list[HeldPin]:
+    """The pins of a lattice, whose places are vertices from `first_row` on; each begins four triangles."""
+    held = []
+    for number, key in enumerate(places.keys):
+        chosen = np.array([first + 4 * number], np.int32)
+        vertices = [np.array([first_row + number], np.int32)]
+        weights = np.array([[1.0, 0.0, 0.0]])
+        held.append(HeldPin(key, chosen, triangles[chosen], weights, np.zeros(1, np.int32), vertices))
+    return held
 
 
 def _stays(

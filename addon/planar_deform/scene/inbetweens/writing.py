@@ -136,7 +136,8 @@ def _blocks(
         stamp = ""
         if count:
             stamp = stamps.of(made_of, transition, plan.turns[transition], plan.path, plan.smooth)
-        made_with = made.of(lasts, transition, plan.smooth) if count else ""
+        pose = "" if entry.copy else listed[start.stands_at].name
+        made_with = made.of(lasts, transition, plan.smooth, pose) if count else ""
         start.pose |= {"edited": False, "stamp": stamp, "made_with": made_with}
         before = [] if entry.copy or len(stretch.inbetweens) != count else stretch.inbetweens
         for number in range(count):

@@ -41,4 +41,4 @@ def pinned_places(obj: bpy.types.Object, drawing: LatticeObject) -> PinPlaces | 
             else:
                 entries = slice(starts[row], starts[row + 1])
                 np.add.at(shares[number], columns[entries], weight * values[entries])
-    return PinPlaces(places - shares @ drawing.rest, shares)
+    return PinPlaces([pin.key for pin in pins], places - shares @ drawing.rest, shares)

@@ -17,7 +17,7 @@ from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.posing import solving
 from ...model.posing.pins import Holder
-from ...model.posing.posing import start_of
+from ...model.posing.posing import start_of, start_scale_of
 from ..lattice.posed import PosedObject, read_posed
 from ..lattice.posed_lattice import PosedLattice
 from ..objects.cutout_object import CutoutObject
@@ -124,17 +124,19 @@ def _of_lattice(drawing: PosedObject) -> Steps:
         shape = drawing.coordinates(posing.positions)
 
 
-Asked = dict[int, tuple[Array, float]]  # by the key of a pin: where in the object's space, and its angle
+# By the key of a pin: where in the object's space, and its angle and scale.
+Asked = dict[int, tuple[Array, float, float]]
 
 
 def _asked(drawing: PosedObject, holders: Iterable[Holder]) -> Asked:
-    """Where pins are to stand, and how they are turned."""
+    """Where pins are to stand, and how they are turned and scaled."""
     asked = {}
     for holder in holders:
         place, angle = start_of(holder, drawing.positions)
         asked[holder.pin.key] = (
             drawing.to_local(place[None, :], np.array([holder.part], np.int32))[0],
             angle,
+            start_scale_of(holder, drawing.positions),
         )
     return asked
 
@@ -149,8 +151,9 @@ def _holding(
     holders = []
     for holder in pin_list.bound_pins(obj, drawing, groups):
         if holder.pin.key in asked:
-            place, angle = asked[holder.pin.key]
-            pin = replace(holder.pin, target=drawing.from_local(place[None, :])[0], angle=angle)
+            place, angle, scale = asked[holder.pin.key]
+            target = drawing.from_local(place[None, :])[0]
+            pin = replace(holder.pin, target=target, angle=angle, scale=scale)
             holder = holder.holding(pin, drawing.cutout)
         holders.append(holder)
     return holders

@@ -22,7 +22,7 @@ from ...model.plane.frame import Array, Array32
 from ...model.posing import solving
 from ...model.posing.pin_follow import Goal, PinFollow, nearest_turn
 from ...model.posing.pins import Holder
-from ...model.posing.posing import start_of
+from ...model.posing.posing import start_of, start_scale_of
 from ..lattice.posed import PosedObject
 from ..lattice.posed_lattice import PosedLattice
 from ..lattice.rig import waiting
@@ -73,9 +73,11 @@ def at_frame(
     standing = {}
     if shown is None:
         for holder in holders:
-            standing[holder.pin.key] = Goal(*start_of(holder, drawing.positions))
+            scale = start_scale_of(holder, drawing.positions)
+            standing[holder.pin.key] = Goal(*start_of(holder, drawing.positions), scale)
     unposed = [
-        holder.holding(replace(holder.pin, target=None, angle=0.0), drawing.cutout) for holder in holders
+        holder.holding(replace(holder.pin, target=None, angle=0.0, scale=1.0), drawing.cutout)
+        for holder in holders
     ]
     posing = followed(obj, drawing, unposed, begin, depsgraph, read_at, standing)
     posing.run()
@@ -119,7 +121,9 @@ def followed(
     goals = dict(standing or {})
     for holder in going:
         pin = obj.planar.pins[holder.pin.key]
-        goals[holder.pin.key] = _goal(pin, holder, drawing, positions, back, depsgraph)
+        goal = _goal(pin, holder, drawing, positions, back, depsgraph)
+        stood = goals.get(holder.pin.key)
+        goals[holder.pin.key] = goal if stood is None else goal._replace(scale=stood.scale)
     poser = partial(drawing.poser, obj.planar.method.lower(), positions)
     return PinFollow(drawing.cutout, positions, [holder.pin for holder in holders], goals, poser)
 

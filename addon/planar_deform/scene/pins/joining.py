@@ -24,7 +24,7 @@ from . import controls, pin_list
 
 # What a pin keeps, beside its group.
 _KEPT = (
-    *("name", "kind", "enabled", "has_target", "target", "reached", "angle"),
+    *("name", "kind", "enabled", "has_target", "target", "reached", "angle", "scale", "reached_scale"),
     *("follow_bone", "follow_offset", "follow_axis"),
 )
 

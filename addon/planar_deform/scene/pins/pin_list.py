@@ -17,7 +17,7 @@ from ...model.plane.cutout import Cutout
 from ...model.plane.frame import Array, Indices
 from ...model.plane.locate import MeshPoint
 from ...model.posing.pins import Holder, Pin
-from ...model.posing.posing import PinResult
+from ...model.posing.posing import PinResult, result_of
 from ...model.posing.rebinding import NEGLIGIBLE
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE
@@ -25,6 +25,8 @@ from ..objects.flat_object import MAKE_LOCAL
 from ..objects.modifiers import of_lattice
 from ..storage import changes, migration, vertex_groups
 from ..storage.vertex_groups import Members, members
+
+SAME_SCALE = 1e-3  # of a patch, by which a posing left it
 
 NOBODY: Members = (np.empty(0, np.int32), np.empty(0))
 GROUP_NAME = "Pin"
@@ -94,9 +96,9 @@ def _find_lost(lattice: bpy.types.Object) -> None:
             and of_lattice(obj, lattice)
         ]
         if len(found) == 1 or pin.object is not None:
-            held = pin.has_target, pin.angle
+            held = pin.has_target, pin.angle, pin.scale
             pin.object = found[0] if len(found) == 1 else None  # which lets go of its target
-            pin.has_target, pin.angle = held
+            pin.has_target, pin.angle, pin.scale = held
             pin.group_count = 0
 
 
@@ -207,7 +209,7 @@ def bound_pins(
         if not inside.any():
             continue
         weight = pin.weight * settings.pin_weight
-        model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, weight, pin.angle)
+        model = Pin(key, pin.kind, rows[inside], weights[inside], pin.enabled, weight, pin.angle, pin.scale)
         old = known.get(key)
         holder = Holder(model, drawing.cutout) if old is None else old.holding(model, drawing.cutout)
         if is_reached(pin, drawing, holder):
@@ -225,7 +227,12 @@ def is_reached(pin: bpy.types.PropertyGroup, drawing: Drawing, holder: Holder) -
     # It was stored in float32, which far from the origin is coarser than the drawing asks for.
     rounding = 2.0**-22 * np.linalg.norm(reached)
     gap = np.linalg.norm(holder.place(drawing.positions) - reached)
-    return bool(gap <= SAME_PLACE * drawing.cutout.diagonal + rounding)
+    if gap > SAME_PLACE * drawing.cutout.diagonal + rounding:
+        return False
+    if pin.kind != "PATCH" or not drawing.cutout.flat or not pin.reached_scale or not holder.size:
+        return True  # or it is of a file of before
+    grown = abs(holder.fitted_scale(drawing.positions) - pin.reached_scale)
+    return bool(grown <= SAME_SCALE + rounding / holder.size)
 
 
 def _held(
@@ -246,7 +253,7 @@ def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:
     results = []
     for holder in holders:
         place, angle = holder.place(positions), holder.fitted_angle(positions)
-        results.append(PinResult(holder.pin.key, holder.part, place, place, angle))
+        results.append(result_of(holder, positions, place, angle, holder.held_scale(positions)))
     return results
 
 
@@ -258,7 +265,7 @@ def store_results(obj: bpy.types.Object, drawing: Drawing, results: Iterable[Pin
         pin.target, pin.reached = drawing.to_local(np.array([result.target, result.reached]), parts)
         pin.has_target = True
         if pin.kind == "PATCH" and drawing.cutout.flat:
-            pin.angle = result.angle
+            pin.angle, pin.scale, pin.reached_scale = result.angle, result.scale, result.reached_scale
     obj.planar.solved_stiffness = drawing.stiffness_stamp
     changes.tell_pose(obj)
 
@@ -267,7 +274,7 @@ class SavedResults:
     """What the pins of an object keep of posings, to be put back to the bit."""
 
     def __init__(self, obj: bpy.types.Object):
-        names = ("target", "reached", "has_target", "angle")
+        names = ("target", "reached", "has_target", "angle", "scale", "reached_scale")
         self._pins = [{name: _value(pin, name) for name in names} for pin in obj.planar.pins]
         self._stiffness = obj.planar.solved_stiffness
 
@@ -288,7 +295,7 @@ def forget_targets(obj: bpy.types.Object) -> None:
     """After a reset: the pins hold the drawing where it is, unturned."""
     for pin in obj.planar.pins:
         pin.has_target = False
-        pin.angle = 0.0
+        pin.angle, pin.scale = 0.0, 1.0
 
 
 def add_at(obj: bpy.types.Object, drawing: Drawing, point: MeshPoint) -> bpy.types.PropertyGroup:
@@ -388,9 +395,9 @@ def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indice
 
 def give_group(pin: bpy.types.PropertyGroup, name: str) -> None:
     """Let a pin go on as it is with what is the same vertices by another name."""
-    held = pin.has_target, pin.angle
+    held = pin.has_target, pin.angle, pin.scale
     pin.group = name  # which lets go of its target, as another group would
-    pin.has_target, pin.angle = held
+    pin.has_target, pin.angle, pin.scale = held
 
 
 def new_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
@@ -418,7 +425,7 @@ def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> Non
     vertex_groups.clear(group)
     vertex_groups.give(group, vertices, 1.0)
     pin.group, pin.group_index, pin.owns_group, pin.kind = group.name, group.index, True, "PATCH"
-    pin.has_target, pin.angle = False, 0.0  # it holds the drawing as it is now
+    pin.has_target, pin.angle, pin.scale = False, 0.0, 1.0  # it holds the drawing as it is now
     _count_groups(pin)
 
 

@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What in-betweens are made with beside their poses: pins, scale, with Smooth the timing, a coarse mesh."""
+"""What in-betweens are made with beside their poses: pins and their paths, scale, timing, a coarse mesh."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
 from ... import compat
-from ..storage import digests
+from ..storage import digests, pin_paths
 from ..storage.cage import cage_of
 
-WHAT = ("pins", "scale", "timing", "coarse solving")
+WHAT = ("pins", "scale", "timing", "coarse solving", "paths of pins")
 
 
 @dataclass(frozen=True)
@@ -22,26 +23,28 @@ class Conditions:
 
     pins: str  # which vertices, or points of a lattice, the enabled ones hold
     scale: str  # in the plane, of the object alone; empty while it is animated
+    paths: Mapping[str, str]  # of the pins, by the name of the pose behind which they are
     coarse: str  # about how many vertices the mesh has on which it is solved; empty: its own
 
-    def of(self, durations: Sequence[float], transition: int, smooth: bool) -> str:
-        """Those of a transition among others that last so many frames."""
+    def of(self, durations: Sequence[float], transition: int, smooth: bool, pose: str) -> str:
+        """Those of a transition, behind a pose, among others that last so many frames."""
         timing = ""
         if smooth:  # then the speed at the poses depends on how long the neighbours take
             around = np.asarray(durations[max(0, transition - 1) : transition + 2], float)
             shares = np.round(around / around.sum(), 3)
             timing = " ".join(f"{share:g}" for share in shares)
-        return "|".join((self.pins, self.scale, timing, self.coarse))
+        return "|".join((self.pins, self.scale, timing, self.coarse, self.paths.get(pose, "")))
 
 
 def conditions(obj: bpy.types.Object) -> Conditions:
     """Cheap as long as the object's vertex groups stay what they are."""
-    return Conditions(_pins(obj), _scale(obj), str(cage_of(obj) or ""))
+    return Conditions(_pins(obj), _scale(obj), pin_paths.stamps(obj), str(cage_of(obj) or ""))
 
 
 def changed(then: str, now: str) -> list[str]:
     """What of the conditions is another than it was; nothing where it is not known."""
-    pairs = zip(WHAT, then.split("|"), now.split("|"), strict=False)
+    # What an older file does not tell was not there.
+    pairs = itertools.zip_longest(WHAT, then.split("|"), now.split("|"), fillvalue="")
     return [what for what, before, after in pairs if then and before != after]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME
-from ..storage import migration, points
+from ..storage import migration, pin_paths, points
 from . import playback, pose_curve, pose_insertion
 from .pose_blocks import FIRST, block_at, keyed, own_curve
 from .pose_showing import drop_scratch, show_frame
@@ -70,7 +70,7 @@ def remove(obj: bpy.types.Object, pose: int) -> None:
     if len(obj.planar.poses) == 1:
         clear(obj)
         return
-    eval_time = obj.planar.poses[pose].at
+    eval_time, name = obj.planar.poses[pose].at, obj.planar.poses[pose].name
 
     def then(obj: bpy.types.Object, old: Array, new: Array) -> None:
         keys = obj.data.shape_keys
@@ -82,6 +82,7 @@ def remove(obj: bpy.types.Object, pose: int) -> None:
 
     blocks = [block for block in playback.blocks_of(obj) if block.source != eval_time]
     playback.run(playback.relay(obj, pose_insertion.close_up(blocks), then))
+    pin_paths.forget_pose(obj, name)
     drop_scratch(obj)
     activate(obj, max(0, min(obj.planar.active_pose, len(obj.planar.poses) - 1)))
     show_frame(obj)
@@ -95,6 +96,7 @@ def clear(obj: bpy.types.Object) -> None:
     settings.poses.clear()
     settings.active_pose = 0
     settings.curve_before = ""
+    pin_paths.forget_all(obj)
 
 
 def end_sequence(obj: bpy.types.Object) -> None:

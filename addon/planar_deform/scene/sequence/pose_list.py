@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
+from ..storage import pin_paths
 from ..storage.points import read_block, update, write_block
 from . import playback, pose_curve, pose_edit, pose_showing, pose_state
 from .key_ease import of_new_keys
@@ -109,6 +110,7 @@ def rename_blocks(obj: bpy.types.Object, pose: bpy.types.PropertyGroup) -> None:
     for other in obj.planar.poses:
         if other.copy_of == before:
             other.copy_of = block.name
+    pin_paths.rename_pose(obj, before, block.name)
     for number in range(1, pose.generated + 1):
         inbetween = block_at(keys, pose.at + number * SPACING)
         if inbetween is not None and inbetween.name == inbetween_name(before, number):

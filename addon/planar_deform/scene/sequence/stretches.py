@@ -150,7 +150,8 @@ class _Played:
 
     def made_with(self, number: int) -> str:
         """With what it would be generated behind an entry now."""
-        return self._conditions.of(self._durations, number, self._way[1])
+        pose = self.poses[self.entries[number].block].name
+        return self._conditions.of(self._durations, number, self._way[1], pose)
 
     def fresh(self, number: int, before: Entry, after: Entry) -> bool:
         """Whether generating again would change nothing behind an entry."""

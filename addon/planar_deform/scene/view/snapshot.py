@@ -44,6 +44,7 @@ class PinPlace:
     target: Array  # (3,) where it was asked to be; equal to place when it is there
     turned: Array  # (3,) the direction in the world that was u at rest, turned with the pin
     angle: float  # radians a patch is turned from rest
+    scale: float  # what it has grown by
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +207,7 @@ def _state(obj: bpy.types.Object) -> _State:
         tuple(
             (
                 *(pin.group, None if pin.object is None else pin.object.session_uid, pin.lattice_point),
-                *(pin.kind, pin.angle, pin.has_target, tuple(pin.target), tuple(pin.reached)),
+                *(pin.kind, pin.angle, pin.scale, pin.has_target, tuple(pin.target), tuple(pin.reached)),
             )
             for pin in settings.pins
         ),
@@ -252,7 +253,8 @@ def _results(drawing: PosedObject, holders: Iterable[Holder]) -> Iterator[PinRes
         target = place if pin.target is None else pin.target
         turns = pin.kind == "PATCH" and drawing.cutout.flat  # in space no angle tells it
         angle = holder.fitted_angle(drawing.positions) if turns else 0.0
-        yield PinResult(pin.key, holder.part, target, place, angle)
+        scale = holder.fitted_scale(drawing.positions) if turns else 1.0
+        yield PinResult(pin.key, holder.part, target, place, angle, pin.scale, scale)
 
 
 def _edges(obj: bpy.types.Object, drawing: CutoutObject) -> Indices:
@@ -270,5 +272,5 @@ def _places(drawing: PosedObject, results: Iterable[PinResult]) -> tuple[PinPlac
         part = np.array([result.part, result.part], np.int32)
         place, target = drawing.to_world(np.array([result.reached, result.target]), part)
         turned = drawing.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
-        pins.append(PinPlace(result.key, place, target, turned, result.angle))
+        pins.append(PinPlace(result.key, place, target, turned, result.angle, result.reached_scale))
     return tuple(pins)

@@ -8,6 +8,7 @@ import math
 import bpy
 import numpy as np
 
+from ...model.posing.pins import AS_AT_REST
 from ...scene.image import file_state
 from ...scene.lattice.posed import posing_refusal
 from ...scene.lattice.rig import waiting
@@ -126,6 +127,8 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         row = column.row()
         row.enabled = any(pin.select for pin in settings.pins)
         row.operator("planar.remove_pins", text="", icon="REMOVE")
+        column.separator()
+        column.prop(settings, "use_mirror_x", text="", icon="MOD_MIRROR")
         if 0 <= settings.active_pin < len(settings.pins):
             _draw_pin(layout, context, settings.pins[settings.active_pin], settings.active_pin)
 
@@ -190,7 +193,8 @@ def _draw_pin(
         split = column.split(factor=0.4)
         split.alignment = "RIGHT"
         split.label(text="Turned")
-        split.label(text=f"{math.degrees(place.angle):.1f}°")
+        grown = f", Scaled {place.scale:.2f}" if abs(place.scale - 1.0) >= AS_AT_REST else ""
+        split.label(text=f"{math.degrees(place.angle):.1f}°{grown}")
     gap = unreached(seen).get(index)
     if gap is not None:
         lines(layout, f"{gap:.4g} away from its target", "ERROR", context)

@@ -12,6 +12,7 @@ from ...scene.objects.any_object import is_outline, shape_refusal
 from ...scene.sequence import pose_list, pose_state, stretches
 from ...scene.sequence.held import Held, held
 from ...scene.storage import points
+from ...scene.storage.pin_paths import path_of
 from .tab import PlanarPanel, lines
 
 
@@ -147,6 +148,22 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
             if pose.edited:
                 text = f"Edited behind {pose.name}: kept as long as its poses stay"
                 lines(layout, text, "INFO", context)
+            if 0 <= settings.active_pin < len(settings.pins):
+                _draw_path(column, settings.pins[settings.active_pin], pose.name)
+
+
+def _draw_path(layout: bpy.types.UILayout, pin: bpy.types.PropertyGroup, pose: str) -> None:
+    """The path of a pin from a pose to the next."""
+    path = path_of(pin, pose)
+    if path is None:
+        layout.operator("planar.add_pin_path", text=f"Path of {pin.name}", icon="ADD")
+        return
+    row = layout.row(align=True)
+    row.prop(path, "kind", text=f"Path of {pin.name}")
+    row.operator("planar.remove_pin_path", text="", icon="X")
+    if path.kind == "CURVE":
+        layout.prop(path, "curve")
+    layout.prop(path, "ease")
 
 
 def _draw_frames(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

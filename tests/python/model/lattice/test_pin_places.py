@@ -18,7 +18,7 @@ def case():
     shares = np.zeros((2, 30))
     shares[0, [7, 8, 13, 14]] = [0.4, 0.3, 0.2, 0.1]
     shares[1, [21, 22, 27, 28]] = 0.2  # a strength of 0.8
-    return rest, PinPlaces(np.array([[0.0, 0.0], [0.7, 0.5]]), shares)
+    return rest, PinPlaces([0, 1], np.array([[0.0, 0.0], [0.7, 0.5]]), shares)
 
 
 def test_places_follow_the_points_and_stand_behind_them():
@@ -52,10 +52,25 @@ def test_the_mean_of_the_leading_pins_is_where_the_solver_has_it(leading):
         key_times=[0.0, 8.0],
         anchor=[30 + np.array(leading, np.int32)],
     )
-    led = LedMotion(motion, places, [0.0, 8.0], [np.array(leading)])
+    led = LedMotion(motion, places, [0.0, 8.0], [np.array(leading)], [np.array([], int)])
     frames = led.at([0.0, 2.0, 4.0, 6.0, 8.0])
     wanted = motion.at([0.0, 2.0, 4.0, 6.0, 8.0])[:, 30 + np.array(leading)].mean(axis=1)
     np.testing.assert_allclose(places.of(frames)[:, leading].mean(axis=1), wanted, atol=1e-12)
     np.testing.assert_allclose(frames[0], rest, atol=1e-12)
     np.testing.assert_allclose(frames[-1], key, atol=1e-12)
     assert frames.shape == (5, 30, 2)
+
+
+def test_held_pins_are_where_the_solver_has_them_each():
+    rest, places = case()
+    key = rest @ rotation(0.4).T
+    extended = [places.extended(rest), places.extended(key)]
+    extended[1][30:] = extended[0][30:]  # places that the points do not have
+    cells = cells_across(COUNTS, 2)
+    motion = native.Inbetweens(
+        np.stack(extended), triangles=np.concatenate([halves(cells), places.triangles(rest, cells)])
+    )
+    both = np.array([0, 1])
+    led = LedMotion(motion, places, [0.0, 1.0], [both], [both])
+    times = np.linspace(0.0, 1.0, 4)
+    np.testing.assert_allclose(places.of(led.at(times)), motion.at(times)[:, 30:], atol=1e-12)

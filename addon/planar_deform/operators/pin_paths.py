@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The paths of pins from one pose to the next."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import IntProperty
+
+from ..errors import Refusal
+from ..scene.pins import pin_list
+from ..scene.storage import pin_paths
+from .poses import OnePoseOperator
+
+
+class PinPathOperator(OnePoseOperator):
+    """Works on the path of one pin behind one pose."""
+
+    pin: IntProperty(
+        name="Pin",
+        description="Index of the pin; the active one if negative",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        reason = super().refusal(context)
+        return reason or (None if pin_list.has_pins(context.object) else "No pins: add some first")
+
+    def act(self, context: bpy.types.Context, pose: int) -> None:
+        settings = context.object.planar
+        pin = settings.active_pin if self.pin < 0 else self.pin
+        if not 0 <= pin < len(settings.pins):
+            raise Refusal(f"There is no pin {pin}: the object has {len(settings.pins)}")
+        self.change(settings.pins[pin], settings.poses[pose].name)
+
+    def change(self, pin: bpy.types.PropertyGroup, pose: str) -> None:
+        """Do it, in a subclass. Raises Refusal, with nothing changed."""
+        raise NotImplementedError
+
+
+class PLANAR_OT_add_pin_path(PinPathOperator, bpy.types.Operator):
+    bl_idname = "planar.add_pin_path"
+    bl_label = "Add Pin Path"
+    bl_description = (
+        "Give the active pin a path and a timing of its own on the way from the active pose to the next one"
+    )
+
+    def change(self, pin: bpy.types.PropertyGroup, pose: str) -> None:
+        if pin_paths.path_of(pin, pose) is not None:
+            raise Refusal(f"Pin '{pin.name}' has a path from '{pose}' already: change it in the panel")
+        pin.paths.add().pose = pose
+
+
+class PLANAR_OT_remove_pin_path(PinPathOperator, bpy.types.Operator):
+    bl_idname = "planar.remove_pin_path"
+    bl_label = "Remove Pin Path"
+    bl_description = "Let the pin go its own way again from this pose to the next one"
+
+    def change(self, pin: bpy.types.PropertyGroup, pose: str) -> None:
+        if pin_paths.path_of(pin, pose) is None:
+            raise Refusal(f"Pin '{pin.name}' has no path from '{pose}'")
+        pin_paths.remove(pin, pose)
+
+
+CLASSES = (PLANAR_OT_add_pin_path, PLANAR_OT_remove_pin_path)
