@@ -169,6 +169,19 @@ def test_a_repainted_frame_of_a_sequence_is_noticed(tmp_path):
     assert not changed(obj)
 
 
+def test_a_sequence_on_a_larger_canvas_stays_in_place(tmp_path):
+    arts = [blobs((30, 40), radius=20), blobs((40, 50), radius=20)]
+    paths = [save(tmp_path, f"walk_{number}.png", art) for number, art in enumerate(arts, 1)]
+    obj = cutout(*paths, vertices=200, image_sequence=True)
+    add_pins(obj, [0])
+    before, places = held(obj), world(obj)
+    for path, art in zip(paths, arts, strict=True):
+        repaint(path, on_canvas(art, (150, 160), (70, 40)))
+    assert bpy.ops.planar.remesh(reload=True) == {"FINISHED"}
+    assert_in_place(obj, before)
+    assert np.abs(np.ptp(world(obj), axis=0) - np.ptp(places, axis=0)).max() < 0.03 * np.ptp(places)
+
+
 def test_an_island_of_its_own_object_stays_as_fine_as_it_was(tmp_path):
     path = save(tmp_path, "dots.png", blobs((20, 30), (60, 90), (20, 90)))
     obj = cutout(path, vertices=600, separate_islands=True)

@@ -13,7 +13,7 @@ from ...model.image.silhouette import contour
 from ...model.plane.cutout import oriented
 from ...model.plane.frame import Array, Array32, Mask
 from ..objects.new_faces import face_of_corners, face_settings
-from . import file_state, image_plane, remesh_source
+from . import file_state, image_plane, reading, remesh_source
 from .remesh_source import Present
 
 
@@ -27,15 +27,17 @@ def fitted(obj: bpy.types.Object, now: Present) -> tuple[Present, list[str]]:
     for slot in np.unique(slots).tolist():
         node = image_plane.texture_in(obj, slot)
         old = None if node is None else file_state.size_before(obj, node.image)
-        if node is None or old is None or old == tuple(node.image.size):
+        if node is None or old is None:
+            continue
+        new, image = reading.size_of(node.image), node.image.name
+        if new == old:
             continue
         name, of_slot = image_plane.uv_map(obj, node).name, slots == slot
-        art = now.arts.get(node.image.name) or remesh_source.art_of_node(node)()
-        now = replace(now, arts={**now.arts, node.image.name: art})
+        art = now.arts.get(image) or remesh_source.art_of_node(node)()
+        now = replace(now, arts={**now.arts, image: art})
         corner = canvas.moved(_outline(now, now.maps[name], of_slot), old, art.alpha)
         if corner is None:
             continue
-        new, image = tuple(node.image.size), node.image.name
         uvs = now.maps[name].astype(np.float64)
         uvs[of_slot] = (uvs[of_slot] * old + corner) / new
         now = replace(now, maps={**now.maps, name: uvs.astype(np.float32)})

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from ...errors import Refusal
 from ...model.image import image_files
 from ...model.image.image_files import ImageFile
 from ..storage import migration
@@ -25,7 +26,7 @@ def remember(obj: bpy.types.Object) -> None:
     """Keep what the files of an object's images are now: its mesh is of them."""
     _seen.clear()
     migration.migrate(obj)
-    obj.planar.image_state = image_files.packed(_files(obj))
+    obj.planar.image_state = image_files.packed(_files(obj, measured=True))
 
 
 def is_changed(obj: bpy.types.Object) -> bool:
@@ -70,7 +71,8 @@ def _kept(obj: bpy.types.Object, now: Iterable[ImageFile]) -> list[ImageFile]:
     return image_files.unpacked(obj.planar.image_state, [file.name for file in now])
 
 
-def _files(obj: bpy.types.Object) -> list[ImageFile]:
+def _files(obj: bpy.types.Object, *, measured: bool = False) -> list[ImageFile]:
+    """Not `measured`: without the sizes of sequences, for which a frame is read."""
     found: dict[bpy.types.Image, ImageFile] = {}
     for node in _textures(obj):
         image = node.image
@@ -82,8 +84,16 @@ def _files(obj: bpy.types.Object) -> list[ImageFile]:
             found[image] = ImageFile(name, _of_file(path_of(image)), *size)
         elif image.source == "SEQUENCE":
             states = [_of_file(path) for path in reading.frame_paths(image, node.image_user)]
-            found[image] = ImageFile(name, sha1("+".join(states).encode()).hexdigest() if any(states) else "")
+            state = sha1("+".join(states).encode()).hexdigest() if any(states) else ""
+            found[image] = ImageFile(name, state, *(_frame_size(image) if measured else (0, 0)))
     return list(found.values())
+
+
+def _frame_size(image: bpy.types.Image) -> tuple[int, int]:
+    try:
+        return reading.size_of(image)
+    except Refusal:
+        return 0, 0
 
 
 def _of_file(path: Path) -> str:
