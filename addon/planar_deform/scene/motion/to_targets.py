@@ -20,7 +20,7 @@ from ...model.posing.posing import start_of
 from ..lattice.posed import PosedObject, read_posed
 from ..lattice.posed_lattice import PosedLattice
 from ..lattice.rig import waiting
-from ..pins import pin_list, targets
+from ..pins import joint_list, pin_list, targets
 from ..sequence import playback, pose_edit
 from ..storage.vertex_groups import Members
 from . import bake
@@ -55,7 +55,7 @@ def followed(
     goals = {
         holder.pin.key: _goal(obj.planar.pins[holder.pin.key], holder, drawing, back) for holder in going
     }
-    poser = partial(drawing.poser, obj.planar.method.lower(), positions)
+    poser = partial(joint_list.solver_of(obj, drawing), positions)
     return PinFollow(drawing.cutout, positions, [holder.pin for holder in holders], goals, poser)
 
 
