@@ -15,7 +15,7 @@ from ..scene.objects.cutout_object import CutoutObject, begin
 from ..scene.pins import joint_list, pin_list
 from ..scene.properties import JOINT_KINDS
 from .modal import running
-from .pins import ON_MESH, NotHidden
+from .pins import ON_MESH, PinListOperator
 from .posing_operator import PosingOperator
 
 ONE_PART = (
@@ -118,7 +118,7 @@ class PLANAR_OT_add_joint(JointOperator, bpy.types.Operator):
         joint.select = True
 
 
-class PLANAR_OT_detach(NotHidden, PosingOperator, bpy.types.Operator):
+class PLANAR_OT_detach(PinListOperator, bpy.types.Operator):
     bl_idname = "planar.detach"
     bl_label = "Detach"
     bl_description = "Remove the selected joints, or all if none is selected; the drawing stays as it is"

@@ -111,7 +111,7 @@ def test_welded_parts_lie_as_they_did():
 
 
 def test_two_hundred_drags_there_and_back_leave_nothing_behind():
-    obj = pinned(cell=0.2)
+    obj = pinned(cell=0.4)
     pin_at(obj, (4.6, 3.2), "Hand")
     random = np.random.default_rng(5)
     worst = 0.0
@@ -130,13 +130,13 @@ def test_what_no_pin_decides_stays_with_the_part_it_hangs_on():
     obj = pinned()
     pin_at(obj, (4.6, 3.2), "Hand")
     for turn in (0.5, -0.9, 0.7):  # about the shoulder, within reach
-        place = np.array(SHOULDER) + 3.0 * np.array([np.cos(turn), np.sin(turn)])
+        place = np.array(SHOULDER) + 2.95 * np.array([np.cos(turn), np.sin(turn)])
         now = place_of(obj, "Hand")
         drag(obj, "Hand", (SIZE * place - now).tolist())
         bpy.ops.planar.settle_pose()
         arm, bent = turned_by(obj, 1)
-        assert arm == pytest.approx(turn, abs=0.05)
-        assert bent < 5e-3
+        assert arm == pytest.approx(turn, abs=0.1)
+        assert bent < 1e-3
         assert abs(turned_by(obj, 3)[0]) < 0.02  # the head
         assert max(gaps(obj).values()) < HELD
 
@@ -230,8 +230,8 @@ def test_a_move_costs_no_new_analysis():
                 pin_at(obj, place, name)
         drag(obj, "Chest", (0.01, 0.0))
         start = time.perf_counter()
-        for step in range(6):
+        for step in range(4):
             drag(obj, "Chest", (0.01 * (-1) ** step, 0.0))
-        took[joined] = (time.perf_counter() - start) / 6
+        took[joined] = (time.perf_counter() - start) / 4
     print({joined: round(1e3 * seconds, 1) for joined, seconds in took.items()}, len(obj.data.vertices))
     assert took[True] < 8.0 * took[False]

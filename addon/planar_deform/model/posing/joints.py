@@ -11,21 +11,24 @@ import numpy as np
 
 from ..plane.cutout import Cutout
 from ..plane.frame import Array, Indices
-from ..plane.locate import MeshPoint, nearest_point
+from ..plane.locate import MeshPoint, at, nearest_point
 from .pins import Holder, Pin
 from .posing import PinResult
 from .rebinding import NEGLIGIBLE, Binding
 
 Kind = Literal["HINGE", "WELD"]
+Points = tuple[Indices, Array]  # triangles (k,) and barycentric weights k x 3
+Pair = tuple[MeshPoint, MeshPoint]
 KINDS: frozenset[str] = frozenset({"HINGE", "WELD"})
 
 ON = 1e-5  # of the diagonal: a vertex that is as near to the other part lies on it
 FEWEST = 2  # pairs, which hold a turn
-# Of a hinge's weight, by which what of its group lies on the other part is drawn back there. It bends
-# nothing, and decides where nothing else does: a head stays with the chest while a hand is dragged. Without
-# it the head turns as all together would, and is off by 30 degrees after 60 wide drags there and back; with
-# it by 0.01 degrees.
-LOOSE = 1e-4
+# The corners of the triangles in which a hinge is are drawn back, by so little of its weight, to what of the
+# other part they lie on at rest, as if they were at this share of the diagonal from it. That bends nothing:
+# at 1e-4 an arm bends by 2 % of the diagonal, at 1e-6 by 0.02 %. And it decides where nothing else does: a
+# head stays with the chest while a hand is dragged. Without it the head turns as all together would, and is
+# off by 30 degrees after 60 wide drags there and back; with it by 0.03 degrees, which do not add up.
+LOOSE, LEVER = 1e-6, 0.01
 
 
 @dataclass(frozen=True)
@@ -35,8 +38,8 @@ class Joint:
     key: int  # its index in the object's pin list
     kind: Kind
     parts: tuple[int, int]  # of the cutout
-    first: tuple[Indices, Array]  # triangles (k,) of the one part, and barycentric weights k x 3
-    second: tuple[Indices, Array]  # those of the other that lie there at rest
+    first: Points  # of the one part
+    second: Points  # those of the other that lie there at rest
     shares: Array  # k, of each pair in how strongly it holds; the point of a hinge comes first
     enabled: bool = True
     weight: float = 1.0  # how strongly it holds
@@ -61,8 +64,8 @@ class Joint:
 class Ties:
     """The pairs of points of all joints of a drawing, as a solver takes them."""
 
-    first: tuple[Indices, Array]
-    second: tuple[Indices, Array]
+    first: Points
+    second: Points
     strength: Array  # of each pair
 
     @property
@@ -90,28 +93,24 @@ def bound(
     if parts is None:
         return None
     sides = [(rows[mine], weights[mine]) for mine in (cutout.parts[rows] == part for part in parts)]
-    pairs = [
-        *_lying(sides[0][0], parts[1], cutout),
-        *((b, a) for a, b in _lying(sides[1][0], parts[0], cutout)),
-    ]
-    if kind == "WELD" and len(pairs) < FEWEST:
-        return None
-    one, other = (
-        (
-            np.array([point.triangle for point in side], np.int32),
-            np.array([point.weights for point in side]).reshape(-1, 3),
+    if kind == "WELD":
+        pairs = _lying(sides[0][0], sides[1][0], parts, cutout)
+        if len(pairs) < FEWEST:
+            return None
+        return Joint(
+            key, kind, parts, *_stacked(pairs), np.full(len(pairs), 1.0 / len(pairs)), enabled, weight
         )
-        for side in ([first for first, _ in pairs], [second for _, second in pairs])
-    )
-    shares = np.full(len(pairs), 1.0 / max(len(pairs), 1))
-    if kind == "HINGE":
-        points = [Holder(Pin(key, "POINT", *side), cutout).handle_vertices() for side in sides]
-        one, other = (
-            (np.append(point[0], soft[0]), np.concatenate([point[1], soft[1]]))
-            for point, soft in zip(points, (one, other), strict=True)
-        )
-        shares = np.append(1.0, LOOSE * shares)
-    return Joint(key, kind, parts, one, other, shares, enabled, weight)
+    points = [_middle(key, *side, cutout) for side in sides]
+    one, other = (cutout.triangles[point.triangle] for point in points)
+    pairs = _lying(one, other, parts, cutout)
+    first, second = _stacked([(points[0], points[1]), *pairs])
+    arms = np.einsum("kc,kcd->kd", first[1][1:], cutout.rest[cutout.triangles[first[0][1:]]])
+    lever = float(((arms - at(cutout.rest, cutout.triangles, points[0])) ** 2).sum())
+    loose = LOOSE * (LEVER * cutout.diagonal) ** 2 / lever if lever > 0.0 else 0.0
+    if not loose:
+        first, second = _stacked([(points[0], points[1])])
+    shares = np.append(1.0, np.full(len(first[0]) - 1, loose))
+    return Joint(key, kind, parts, first, second, shares, enabled, weight)
 
 
 def two_parts(rows: Indices, weights: Array, parts: Indices) -> tuple[int, int] | None:
@@ -166,12 +165,31 @@ def point_on(cutout: Cutout, part: int, place: Array) -> MeshPoint:
     return cutout.found[asked]
 
 
-def _lying(rows: Indices, part: int, cutout: Cutout) -> list[tuple[MeshPoint, MeshPoint]]:
-    """Those vertices that lie on a part at rest, each with the point of that part."""
-    found = []
-    for row in rows.tolist():
+def _middle(key: int, rows: Indices, weights: Array, cutout: Cutout) -> MeshPoint:
+    """The point of a group of one part."""
+    (triangle,), (inside,) = Holder(Pin(key, "POINT", rows, weights), cutout).handle_vertices()
+    return MeshPoint(int(triangle), inside)
+
+
+def _lying(rows: Indices, others: Indices, parts: tuple[int, int], cutout: Cutout) -> list[Pair]:
+    """Those vertices of two parts that lie on the other one at rest, each with the point of that."""
+    found: list[Pair] = []
+    for row, part in [
+        *((row, parts[1]) for row in rows.tolist()),
+        *((row, parts[0]) for row in others.tolist()),
+    ]:
         point = point_on(cutout, part, cutout.rest[row])
         if point.distance <= ON * cutout.diagonal:
             corner = int(cutout.first_corners[row])
-            found.append((MeshPoint(corner // 3, np.eye(3)[corner % 3]), point))
+            vertex = MeshPoint(corner // 3, np.eye(3)[corner % 3])
+            found.append((vertex, point) if part == parts[1] else (point, vertex))
     return found
+
+
+def _stacked(pairs: list[Pair]) -> tuple[Points, Points]:
+    """The points of the one part and those of the other."""
+    first, second = (
+        (np.array([point.triangle for point in side], np.int32), np.array([point.weights for point in side]))
+        for side in zip(*pairs, strict=True)
+    )
+    return first, second

@@ -12,6 +12,7 @@ import numpy as np
 from ... import native
 from ...model.lattice.pin_places import LedMotion, PinPlaces
 from ...model.plane.frame import Array, Array32, Indices
+from ...model.posing.joint_points import Cut, JointPoints
 from ...model.timing.order_of_time import Entry
 from ...model.work import Progress
 from ..objects.any_object import AnyObject
@@ -54,6 +55,7 @@ class Plan:
     turns: list[int]
     held: list[Indices]  # vertices of each pin in each part; those of `places` are behind the drawing's
     places: PinPlaces | None  # of a lattice's pins
+    hung: JointPoints | None  # of a drawing's joints
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
     cage: int | None = None  # see storage/cage.py
@@ -79,16 +81,16 @@ class Plan:
 
     def motion(
         self, first: int = 0, last: int | None = None, progress: Progress | None = None
-    ) -> native.Inbetweens | LedMotion | Blend:
+    ) -> native.Inbetweens | LedMotion | Cut | Blend:
         """The way through keys `first` to `last`, at their `times`. Raises SolveError, Cancelled."""
         last = len(self.keys) - 1 if last is None else last
         if not self.elements:
             return Blend(np.stack(self.keys[first : last + 1]), self.times[first : last + 1])
         anchors, joined = zip(*(self._holds(transition) for transition in range(first, last)), strict=True)
         motion = native.Inbetweens(
-            np.stack([self._with_places(key) for key in self.keys[first : last + 1]]),
+            np.stack([self._with_points(key) for key in self.keys[first : last + 1]]),
             **self.elements,
-            rest=self._with_places(self.rest),
+            rest=self._with_points(self.rest),
             key_times=self.times[first : last + 1],
             turns=np.array(self.turns[first:last], np.int32)[:, None],
             anchor=anchors,
@@ -99,12 +101,14 @@ class Plan:
             progress=progress,
         )
         if self.places is None:
-            return motion
+            return motion if self.hung is None else Cut(motion, len(self.rest))
         leading = [anchor - len(self.rest) for anchor in anchors]
         return LedMotion(motion, self.places, self.times[first : last + 1], leading)
 
-    def _with_places(self, shape: Array) -> Array:
-        return shape if self.places is None else self.places.extended(shape)
+    def _with_points(self, shape: Array) -> Array:
+        """A shape with the places of a lattice's pins, or the points of joints, behind it."""
+        behind = self.places or self.hung
+        return shape if behind is None else behind.extended(shape)
 
     def solve(self, progress: Progress | None = None) -> list[Array]:
         """The generated positions, n x 2 each, in order. Raises SolveError and Cancelled."""
@@ -139,7 +143,7 @@ class Plan:
 
         Pins that stand still hold their parts; those parts that have none go by all their pins.
         """
-        before, after = (self._with_places(key) for key in self.keys[transition : transition + 2])
+        before, after = (self._with_points(key) for key in self.keys[transition : transition + 2])
         parts_of = self.drawing.parts
         if self.places is not None:  # all of a lattice is one part
             parts_of = np.zeros(len(before), np.int32)
@@ -149,7 +153,11 @@ class Plan:
         parts = {int(parts_of[rows[0]]) for rows in planted}
         chosen = planted + [rows for rows in self.held if int(parts_of[rows[0]]) not in parts]
         anchor = np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None
-        return anchor, joints.find(self._with_places(self.rest), before, after, parts_of, parts)
+        count = len(self.rest)
+        if self.hung is None:
+            return anchor, joints.find(self._with_points(self.rest), before, after, parts_of, parts)
+        given = self.hung.given(count)
+        return anchor, joints.find(self.rest, before[:count], after[:count], parts_of, parts, given)
 
     def _sample_times(self, transition: int) -> Array:
         count = self.counts[transition]

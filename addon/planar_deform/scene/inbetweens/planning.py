@@ -20,12 +20,13 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array32, Indices
+from ...model.posing.joint_points import JointPoints, points_of
 from ...model.timing.order_of_time import Entry, durations, even, frames_between
 from ..lattice.pinned_places import pinned_places
 from ..objects.any_object import AnyObject, shape_refusal
 from ..objects.cutout_object import CutoutObject
 from ..objects.lattice_object import LatticeObject, space_refusal
-from ..pins import pin_list
+from ..pins import joint_list, pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
 from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
@@ -131,6 +132,10 @@ def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], t
         joined = places.triangles(drawing.rest, drawing.cells)
         elements = {"triangles": np.concatenate([elements["triangles"], joined])}
         held = [np.array([row], np.int32) for row in len(drawing.rest) + np.arange(len(places.offsets))]
+    hung = _hung(drawing, obj)
+    if hung is not None:
+        joined = hung.triangles(len(drawing.rest))
+        elements = {"triangles": np.concatenate([elements["triangles"], joined])}
     return Plan(
         drawing=drawing,
         shapes=shapes,
@@ -142,10 +147,18 @@ def _plan_of(drawing: AnyObject, obj: bpy.types.Object, shapes: list[Array32], t
         turns=turns,
         held=held,
         places=places,
+        hung=hung,
         path=obj.planar.anchor_path,
         smooth=obj.planar.smooth,
         cage=cage_of(obj),
     )
+
+
+def _hung(drawing: AnyObject, obj: bpy.types.Object) -> JointPoints | None:
+    """The points of the joints that are on."""
+    if not isinstance(drawing, CutoutObject):
+        return None
+    return points_of(joint_list.bound_joints(obj, drawing), drawing.rest, drawing.cutout.triangles)
 
 
 def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[Indices]:

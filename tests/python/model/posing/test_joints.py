@@ -35,7 +35,7 @@ def test_a_hinge_is_in_its_place_and_hardly_holds_anything_else(figure):
     joint = hinge(figure)
     assert joint.parts == (0, 1)
     assert joint.shares[0] == 1.0
-    assert joint.shares[1:].sum() == pytest.approx(joints.LOOSE)
+    assert 0.0 < joint.shares[1:].sum() < 1e-4
     for place in (*joint.places(figure.rest, figure.triangles), joint.place(figure.rest, figure.triangles)):
         np.testing.assert_allclose(place, SHOULDER, atol=1e-12)
 
