@@ -50,7 +50,7 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
     def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
         cutout = drawing.cutout
         there = [joint.parts for joint in joint_list.bound_joints(obj, drawing)]
-        found = attaching.attachments(cutout, there)
+        found = attaching.attachments(cutout, drawing.depths, there)
         if not found:
             raise Refusal(
                 "All parts that lie on each other hang together already"

@@ -19,6 +19,7 @@ LEAST = 1e-5  # of the squared diagonal: parts that share less only touch
 DEEP, ROOT = 0.8, 0.5
 # A part of which this much lies on one that is so many times as large, an eye or a button, turns on nothing.
 COVERED, SMALL = 0.95, 10.0
+SAME_LAYER = 1e-4  # of the diagonal: parts that are as near in depth are of one layer
 
 
 @dataclass(frozen=True)
@@ -53,11 +54,23 @@ def overlaps(cutout: Cutout) -> list[Overlap]:
     return found
 
 
-def attachments(cutout: Cutout, joined: Iterable[tuple[int, int]] = ()) -> list[Attachment]:
+def attachments(
+    cutout: Cutout, depths: Array | None = None, joined: Iterable[tuple[int, int]] = ()
+) -> list[Attachment]:
     """What is to be joined so that all parts that lie on each other hang together, each on one other.
 
-    Parts that lie on several hang on the one that they share most with. `joined`: parts that are already.
+    Parts that lie on several hang on the one that they share most with; a layer between the two, told by the
+    `depths` of the parts, counts as much as half of what they share: a hand before the tail does not hang on
+    it, but on the body. `joined`: parts that are already.
     """
+    layers = np.zeros(int(cutout.parts.max(initial=-1)) + 1)
+    if depths is not None:
+        layers = np.unique(np.round(depths / (SAME_LAYER * cutout.diagonal)), return_inverse=True)[1]
+
+    def shared(overlap: Overlap) -> float:
+        one, other = overlap.parts
+        return overlap.area / max(1, abs(int(layers[one]) - int(layers[other])))
+
     areas = _areas(cutout)
     tree: Indices = np.arange(len(areas), dtype=np.int32)  # equal: they hang together
 
@@ -73,7 +86,7 @@ def attachments(cutout: Cutout, joined: Iterable[tuple[int, int]] = ()) -> list[
         hung[one].append(other)
         hung[other].append(one)
     chosen = {}
-    for overlap in sorted(overlaps(cutout), key=lambda overlap: -overlap.area):
+    for overlap in sorted(overlaps(cutout), key=shared, reverse=True):
         one, other = overlap.parts
         if join(one, other):
             chosen[overlap.parts] = overlap

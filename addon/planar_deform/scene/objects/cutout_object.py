@@ -265,6 +265,11 @@ class CutoutObject(FlatObject):
                 return found
         return None
 
+    @property
+    def depths(self) -> Array:
+        """Of each part, across the plane."""
+        return self._depths
+
     def parts_by_depth(self, part: int) -> list[int]:
         """The other parts, those first that are nearest in depth."""
         order = np.argsort(np.abs(self._depths - self._depths[part]), kind="stable")

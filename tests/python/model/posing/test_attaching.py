@@ -15,8 +15,8 @@ HEAD = (0.6, 3.6, 1.4, 5.0)
 EYE = (0.9, 4.4, 1.0, 4.5)
 
 
-def found(*boxes, joined=()):
-    return attachments(rectangles(*boxes), joined)
+def found(*boxes, joined=(), depths=None):
+    return attachments(rectangles(*boxes), depths, joined)
 
 
 def test_overlaps_have_their_area_and_how_deep_they_are():
@@ -60,6 +60,17 @@ def test_of_several_the_one_that_is_shared_most_carries():
     joints = found(BODY, arm, hand, (1.75, 0.5, 2.25, 0.8))
     assert len(joints) == 3
     assert len({joint.carried for joint in joints}) == 3
+
+
+def test_a_limb_hangs_on_the_layer_next_to_it_and_not_on_what_it_happens_to_lie_before():
+    arm, tail = (1.4, 3.0, 4.2, 3.4), (1.5, 1.0, 5.0, 3.15)
+    cutout = rectangles(BODY, arm, tail)
+    shared = {overlap.parts: overlap.area for overlap in overlaps(cutout)}
+    assert shared[0, 1] < shared[1, 2]
+    flat = attachments(cutout)
+    assert {tuple(sorted((joint.carrier, joint.carried))) for joint in flat} == {(0, 2), (1, 2)}
+    layered = attachments(cutout, np.array([0.0, 1.0, -1.0]))  # the body between arm and tail
+    assert {tuple(sorted((joint.carrier, joint.carried))) for joint in layered} == {(0, 1), (0, 2)}
 
 
 def test_a_small_part_that_lies_wholly_on_another_does_not_turn():
