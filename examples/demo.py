@@ -27,6 +27,7 @@ APART = 24  # frames from one keyed pose to the next
 sys.path.insert(0, str(ROOT / "addon"))
 
 import arcs  # noqa: E402
+import attached  # noqa: E402
 import comparison  # noqa: E402
 import contact_sheet  # noqa: E402
 import cutout  # noqa: E402
@@ -124,6 +125,8 @@ def run(pictures: Path | None) -> None:
         obj.select_set(False)
         obj.hide_render = True  # until the film: the next one's pictures show what is behind it, too
 
+    if pictures:
+        in_parts = contact_sheet.sheet("Layers that hang together", [attached.cells()])
     in_lattices = bend()
     laid_flat = unroll()
     out = ROOT / "out"
@@ -146,6 +149,7 @@ def run(pictures: Path | None) -> None:
         images["flatten"] = contact_sheet.sheet("A surface laid flat, and what it is posed by", [laid_flat])
         images["methods"] = contact_sheet.sheet("The same drags by each method", compared)
         images["feet"] = contact_sheet.sheet("Feet held by their middle, and each", feet.rows())
+        images["attach"] = in_parts
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
     wrote = ("demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png")

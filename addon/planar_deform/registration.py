@@ -11,6 +11,7 @@ import bpy
 from . import batch, events, preferences
 from .errors import try_all
 from .operators import (
+    attach,
     bake,
     box_select,
     breakdown,
@@ -57,6 +58,7 @@ MODULES = (
     properties,
     cutout,
     pins,
+    attach,
     rest,
     refine,
     remesh,

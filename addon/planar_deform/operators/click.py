@@ -9,6 +9,7 @@ from mathutils import Vector
 
 from ..errors import Refusal
 from ..model.plane.frame import Array
+from ..model.plane.locate import MeshPoint
 from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.objects.cutout_object import pose_refusal
@@ -42,6 +43,9 @@ class PLANAR_OT_click(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     add: BoolProperty(name="Add", description="Add a pin under the mouse", options={"SKIP_SAVE"})
+    add_joint: BoolProperty(
+        name="Add Joint", description="Add a joint under the mouse", options={"SKIP_SAVE"}
+    )
     extend: BoolProperty(name="Extend", description="Keep what is selected", options={"SKIP_SAVE"})
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -49,6 +53,8 @@ class PLANAR_OT_click(bpy.types.Operator):
         if view is None:
             return {"PASS_THROUGH"}
         mouse = (event.mouse_region_x, event.mouse_region_y)
+        if self.add_joint:
+            return {"FINISHED"} if add_joint_under(self, context, event) else {"CANCELLED"}
         seen = snapshot.in_view(context)
         if seen is not None:
             # No gizmo has lit up where the event that ended a drag's settling comes right here.
@@ -133,11 +139,35 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
     except Refusal as refusal:
         operator.report({"WARNING"}, str(refusal))
         return False
+    bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=_place_of(drawing, point))
+    return True
+
+
+def add_joint_under(operator: bpy.types.Operator, context: bpy.types.Context, event: bpy.types.Event) -> bool:
+    """Add a joint under the mouse to the active object, in an undo step of its own; reports why it cannot."""
+    mouse = event.mouse_region_x, event.mouse_region_y
+    try:
+        refuse_hidden(context)
+        reason = pose_refusal(context.object)
+        if reason is not None:
+            raise Refusal(reason)
+        drawing = begin_posing(context)
+        point = drawing.pick(*ray(context.region, context.region_data, mouse))
+        if point is None:
+            raise Refusal(_missed(drawing))
+        bpy.ops.planar.add_joint("EXEC_DEFAULT", True, location=_place_of(drawing, point))
+    except (Refusal, RuntimeError) as refusal:  # the operator's own come with what kind of report they are
+        operator.report({"WARNING"}, str(refusal).removeprefix("Error: ").strip())
+        return False
+    return True
+
+
+def _place_of(drawing: PosedObject, point: MeshPoint) -> list[float]:
+    """Where a point of the shown mesh is in the world."""
     corners = drawing.cutout.triangles[point.triangle]
     place = point.weights[None, :] @ drawing.positions[corners]
-    place = drawing.to_world(place, drawing.cutout.parts[corners[:1]])
-    bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=place[0].tolist())
-    return True
+    found: list[float] = drawing.to_world(place, drawing.cutout.parts[corners[:1]])[0].tolist()
+    return found
 
 
 def _belongs_to(obj: bpy.types.Object, active: bpy.types.Object | None) -> bool:

@@ -18,6 +18,7 @@ from ..model.plane.frame import Array32
 from ..scene.flatten import flat_mesh, pattern, pushing, refreshing, surface, uv_maps
 from ..scene.flatten.link import is_flat_mesh
 from ..scene.objects.flat_object import make_current
+from ..scene.pins import pin_list
 from .modal.long_job import Job, LongOperator
 from .modal.object_posing import ObjectPosing
 from .posing_operator import PosingOperator
@@ -200,7 +201,7 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
         refresh.write(new)
         obj = bpy.context.object
         try:
-            if refresh.posed and any(pin.enabled for pin in obj.planar.pins):
+            if refresh.posed and any(pin.enabled and not pin_list.is_joint(pin) for pin in obj.planar.pins):
                 ObjectPosing(bpy.context, settling=True).run([STILL], settle=True)
             elif obj.planar.live_uv:
                 pushing.push(obj)

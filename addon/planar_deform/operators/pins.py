@@ -255,6 +255,7 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         pins = [pin for pin in context.object.planar.pins if pin.select and pin.lattice_point < 0]
+        pins = [pin for pin in pins if not pin_list.is_joint(pin)]
         changed = [pin for pin in pins if pin.kind != self.kind]
         if not changed:
             self.report({"WARNING"}, "No selected pin is of another kind: select some first")

@@ -25,7 +25,7 @@ from ..scene.objects.any_object import begin_shape
 from ..scene.objects.connectivity import shape_connectivity
 from ..scene.objects.cutout_object import CutoutObject
 from ..scene.objects.lattice_object import LatticeObject, in_space, lattice_refusal
-from ..scene.pins import pin_list
+from ..scene.pins import joint_list, pin_list
 from .keying import auto_key
 from .modal import reports
 from .posing_operator import PinPosingOperator, PosingOperator
@@ -143,7 +143,7 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
             raise Refusal(
                 f"The rest shape is not symmetric: {why}. With pins that are on, it can be mirrored by these"
             )
-        poser = partial(drawing.poser, obj.planar.method.lower())
+        poser = joint_list.solver_of(obj, drawing)
         posing = PinMirror(cutout, drawing.positions, pins, int(self.axis == "VERTICAL"), poser)
         try:
             posing.run()
@@ -166,7 +166,7 @@ class PLANAR_OT_reset_selected_pins(PinPosingOperator, bpy.types.Operator):
         moving = {pin.key for pin in usable if pin.enabled and obj.planar.pins[pin.key].select}
         if not moving:
             raise Refusal("No pins that hold the drawing are selected: click one first")
-        poser = partial(drawing.poser, obj.planar.method.lower(), drawing.positions)
+        poser = partial(joint_list.solver_of(obj, drawing), drawing.positions)
         posing = PinReset(drawing.cutout, drawing.positions, usable, moving, poser)
         try:
             posing.run()

@@ -20,7 +20,7 @@ from ..model.posing.posing import Posing, Solved
 from ..model.posing.solving import Solving, StoppedError
 from ..scene.objects import stiffness
 from ..scene.objects.cutout_object import begin, read_cutout
-from ..scene.pins import pin_list
+from ..scene.pins import joint_list, pin_list
 from ..scene.storage import migration
 from .modal import running
 from .posing_operator import PosingOperator
@@ -62,7 +62,7 @@ class _Settling:
         used = pin_list.model_pins(obj, self.drawing)
         if settings.method == "AKVF" or not any(pin.enabled for pin in used):
             raise Refusal("Stiffness is felt when pins are moved")
-        make_poser = partial(self.drawing.poser, settings.method.lower(), positions)
+        make_poser = partial(joint_list.solver_of(obj, self.drawing), positions)
         self._solved: Solved | None = None
         self._solving = Solving(Posing(self.drawing.cutout, positions, used, (), make_poser))
         self._solving.ask((0.0, 0.0, 0.0))

@@ -43,6 +43,12 @@ KINDS = (
     ("PATCH", "Patch", "Holds all vertices of the group rigidly, and can be turned"),
 )
 
+# Of what is kept in the list of pins and holds two parts of the drawing together.
+JOINT_KINDS = (
+    ("HINGE", "Hinge", "Holds two parts of the drawing together in one point, about which they turn"),
+    ("WELD", "Weld", "Holds two parts of the drawing together as they lie"),
+)
+
 PATHS = (
     ("STRAIGHT", "Straight", "On straight lines"),
     ("ARC", "Arc", "On circular arcs, as the drawing turns"),
@@ -152,7 +158,7 @@ class PlanarPin(bpy.types.PropertyGroup):
     kind: EnumProperty(
         name="Kind",
         description="How the pin holds the drawing",
-        items=KINDS,
+        items=KINDS + JOINT_KINDS,
         update=_let_go,
         options=NOT_ANIMATED,
     )

@@ -41,6 +41,11 @@ class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
         place.location = context.scene.cursor.location
         column.menu("PLANAR_MT_add_pins", text="Add Pins")
         column.separator()
+        column.operator("planar.attach", icon="LINKED")
+        joint = column.operator("planar.add_joint", text="Add Joint at 3D Cursor")
+        joint.location = context.scene.cursor.location
+        column.operator("planar.detach", icon="UNLINKED")
+        column.separator()
         column.operator("planar.drag_pins")
         column.operator("planar.rotate_pins")
         column.operator("planar.spread_pins")

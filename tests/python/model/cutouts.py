@@ -21,3 +21,20 @@ def pin(vertices, *, key=0, kind="POINT", weights=None, **options) -> Pin:
     vertices = np.array(vertices, np.int32)
     weights = np.ones(len(vertices)) if weights is None else np.array(weights, float)
     return Pin(key, kind, vertices, weights, **options)
+
+
+def rectangles(*boxes, cell=0.2) -> Cutout:
+    """A part for each box (left, bottom, right, top), of cells about so large."""
+    rest, triangles, parts = [], [], []
+    for part, (left, bottom, right, top) in enumerate(boxes):
+        shorter = min(right - left, top - bottom)
+        step = min(cell, shorter / 2.0)
+        nx, ny = (max(2, round(side / step)) for side in (right - left, top - bottom))
+        grid = grid_cutout(nx, ny)
+        first = sum(map(len, rest))
+        rest.append(grid.rest / (nx, ny) * (right - left, top - bottom) + (left, bottom))
+        triangles.append(grid.triangles + first)
+        parts.append(np.full(len(grid.rest), part, np.int32))
+    return make_cutout(
+        np.concatenate(rest), np.concatenate(triangles).astype(np.int32), np.concatenate(parts)
+    )

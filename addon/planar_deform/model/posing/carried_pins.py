@@ -48,7 +48,11 @@ def nearest_binding(new: Cutout, holder: Holder, near: Indices) -> Binding:
 
     `near`: vertices of the parts it may be in, if there are any.
     """
-    place = holder.place(holder.cutout.rest)
+    return nearest_binding_at(new, holder.place(holder.cutout.rest), near)
+
+
+def nearest_binding_at(new: Cutout, place: Array, near: Indices) -> Binding:
+    """The same of a place (2 or 3,)."""
     found = point_binding(new, place, near) or point_binding(
         new, place, np.arange(len(new.rest), dtype=np.int32)
     )

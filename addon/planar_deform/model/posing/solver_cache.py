@@ -14,6 +14,7 @@ import numpy as np
 from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
+from .joints import Ties
 
 CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
 
@@ -45,17 +46,24 @@ def kept(key: int, recipe: Recipe, make: Callable[[], Solver]) -> Solver:
     return solver
 
 
-def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array) -> native.Poser:
-    """A solver for the object with this key, standing at n x 2 `positions`.
+def poser_for(
+    key: int, cutout: Cutout, method: native.Method, positions: Array, ties: Ties | None = None
+) -> native.Poser:
+    """A solver for the object with this key, standing at n x 2 `positions`, its parts tied by joints if any.
 
     It is always reset, so that a posing gives the same bits whether or not the solver was there before.
     """
-    rest, triangles, stiffness, cage = cutout.rest, cutout.triangles, cutout.stiffness, cutout.cage
-    poser = kept(
-        key,
-        (method, triangles, rest, stiffness, cage),
-        lambda: native.Poser(rest, triangles, method=method, stiffness=stiffness, cage=cage),
-    )
+    rest, triangles, stiffness = cutout.rest, cutout.triangles, cutout.stiffness
+    cage = cutout.cage if ties is None else None  # what joints hold is solved itself
+
+    def make() -> native.Poser:
+        poser = native.Poser(rest, triangles, method=method, stiffness=stiffness, cage=cage)
+        if ties is not None:
+            poser.set_joints(ties.first, ties.second, strength=ties.strength)
+        return poser
+
+    joined = () if ties is None else ties.recipe
+    poser = kept(key, (method, triangles, rest, stiffness, cage, *joined), make)
     poser.reset(positions)
     return poser
 

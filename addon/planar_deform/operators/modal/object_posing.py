@@ -22,7 +22,7 @@ from ...scene.lattice.posed import begin_posing
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
 from ...scene.objects.cutout_object import CutoutObject
-from ...scene.pins import pin_list, pose_holding
+from ...scene.pins import joint_list, pin_list, pose_holding
 from ...scene.view import snapshot
 from .. import keying
 
@@ -73,7 +73,8 @@ class ObjectPosing:
         if pressed >= len(settings.pins):
             raise Refusal(f"There is no pin {pressed}: the object has {len(settings.pins)}")
         pin_list.sync(obj)
-        self._method = settings.method.lower()
+        self._solver = joint_list.solver_of(obj, self.drawing)
+        self._joints = joint_list.bound_joints(obj, self.drawing)
         self._pins = pin_list.model_pins(obj, self.drawing)
         if settling and not any(pin.enabled for pin in self._pins):
             raise Refusal("No pin is on and holds vertices: add or enable one in the Planar tab")
@@ -109,11 +110,12 @@ class ObjectPosing:
                 raise Refusal("No pins are selected: click one first")
             if not self._settling and not moving:
                 raise Refusal(
-                    waiting(self.drawing.resolve(), self._moving)
+                    joint_list.unmoved(self.drawing.resolve(), self._moving)
+                    or waiting(self.drawing.resolve(), self._moving)
                     or "The selected pins are off or hold no vertices: enable them in the Planar tab"
                 )
             positions, cutout = self.drawing.positions, self.drawing.cutout
-            make_poser = partial(self.drawing.poser, self._method, positions)
+            make_poser = partial(self._solver, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
             self._model = self._make_model(cutout, positions, self._pins, moving, make_poser, self._pivot)
             self._model.mirrored = self._mirrored(moving, usable)
@@ -182,6 +184,7 @@ class ObjectPosing:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
         self._write(solved.positions)
         results = [*solved.results, *pin_list.carried(self._off, solved.positions)]
+        results += joint_list.carried(self._joints, self.drawing, solved.positions)
         snapshot.follow(self.drawing, solved.positions, results)
 
     def keep(self, solved: Solved) -> None:

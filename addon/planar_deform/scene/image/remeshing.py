@@ -21,8 +21,9 @@ from ...model.plane.carrying import Carrying
 from ...model.plane.charts import charts_of, corner_carrying
 from ...model.plane.cutout import NEUTRAL, Cutout, connected_parts, make_cutout, signed_areas
 from ...model.plane.frame import Array, Array32
-from ...model.posing.carried_pins import group_carried, nearest_binding, patch_carried
-from ...model.posing.pins import Holder, Pin
+from ...model.posing import joints
+from ...model.posing.carried_pins import group_carried, nearest_binding, nearest_binding_at, patch_carried
+from ...model.posing.pins import Holder, Kind, Pin
 from ...model.posing.rebinding import Binding
 from ...model.posing.upright import set_right, turned_over
 from ...model.work import Progress
@@ -52,6 +53,7 @@ class HeldBefore:
     holder: Holder
     owns_group: bool
     stays: bool  # where the last posing left it, so that its target counts
+    hinged: tuple[int, int] | None = None  # the parts that it holds together, if it is a hinge
 
     def pin_of(self, obj: bpy.types.Object) -> bpy.types.PropertyGroup:
         """The pin of the object, whose it is."""
@@ -202,6 +204,11 @@ class Remesh:
         return group_carried(hung, count, *group, beside=NEUTRAL if name == self._stiffness else 0.0)
 
     def _pin(self, filling: Filling, hung: Carrying, cutout: Cutout, held: HeldBefore) -> Binding | None:
+        if held.hinged is not None:
+            place = held.holder.place(held.holder.cutout.rest)
+            sides = [nearest_binding_at(cutout, place, filling.points_of(part)) for part in held.hinged]
+            rows, weights = (np.concatenate(each) for each in zip(*sides, strict=True))
+            return rows, weights
         near = filling.points_of(held.holder.part)
         rows, weights = self._group(hung, held.group, self._groups[held.group])
         if held.holder.pin.kind == "PATCH":
@@ -320,9 +327,13 @@ def _held(obj: bpy.types.Object, now: Present) -> list[HeldBefore]:
             inside = weights > 0.0
             if not inside.any():
                 continue
-            holder = Holder(Pin(key, pin.kind, vertices[inside], weights[inside]), now.drawing.cutout)
+            hinged = None
+            kind: Kind = "PATCH" if pin.kind in {"PATCH", "WELD"} else "POINT"
+            if pin.kind == "HINGE":
+                hinged = joints.two_parts(vertices[inside], weights[inside], now.drawing.parts)
+            holder = Holder(Pin(key, kind, vertices[inside], weights[inside]), now.drawing.cutout)
             stays = owner == obj and pin_list.is_reached(pin, now.drawing, holder)
-            found.append(HeldBefore(owner.name, pin.name, pin.group, holder, pin.owns_group, stays))
+            found.append(HeldBefore(owner.name, pin.name, pin.group, holder, pin.owns_group, stays, hinged))
     return found
 
 

@@ -8,10 +8,11 @@ import bpy
 from ...errors import Refusal
 from ...model.input.breakdown import nearest_share
 from ...model.plane.frame import Array
+from ...model.posing.joints import Joint
 from ...model.posing.pins import Holder
 from ..objects.any_object import begin_shape
 from ..objects.cutout_object import CutoutObject
-from ..pins import pin_list
+from ..pins import joint_list, pin_list
 from ..sequence import pose_state
 from ..sequence.neighbours import KeyedPose, around
 from ..view import snapshot
@@ -46,10 +47,12 @@ class Way:
         assert behind is not None
         self._take_way(obj, before, behind)
         self._holders: list[Holder] = []
+        self._joints: list[Joint] = []
         if isinstance(self.drawing, CutoutObject):
             self._holders = [
                 Holder(pin, self.drawing.cutout) for pin in pin_list.model_pins(obj, self.drawing)
             ]
+            self._joints = joint_list.bound_joints(obj, self.drawing)
         self.start = self._share_shown(obj, before, behind)
 
     def show(self, share: float) -> None:
@@ -57,7 +60,8 @@ class Way:
         positions = self._at(share)
         self.drawing.show(self._plan.coordinates(self._first, share, positions))
         if isinstance(self.drawing, CutoutObject) and self._holders:
-            snapshot.follow(self.drawing, positions, pin_list.carried(self._holders, positions))
+            joints = joint_list.carried(self._joints, self.drawing, positions)
+            snapshot.follow(self.drawing, positions, [*pin_list.carried(self._holders, positions), *joints])
 
     def restore(self) -> None:
         """Put everything back as it was, to the bit. Raises ObjectGone."""

@@ -7,6 +7,8 @@ point of the arm lies on one of the body at rest, and does so in both poses betw
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from mathutils.kdtree import KDTree
 
@@ -19,12 +21,19 @@ LOOSENESS = 0.01
 Shapes = tuple[Array, Array, Array]  # at rest, before, after
 
 
-def find(rest: Array, before: Array, after: Array, parts: Indices, planted: set[int]) -> Indices:
+# The two parts of a joint, and its vertices.
+Given = tuple[tuple[int, int], tuple[int, int]]
+
+
+def find(
+    rest: Array, before: Array, after: Array, parts: Indices, planted: set[int], given: Sequence[Given] = ()
+) -> Indices:
     """The joints that hold from one pose to the next: rows (vertex of the carrier, vertex of the carried).
 
     All shapes are n x 2; `parts` numbers the part of each vertex. `planted` parts stand on their own and are
     never carried. Every part is carried at most once, and no two carry each other: where several joints offer
-    themselves, the tightest do. Of parts that hang together the one with most vertices carries the others.
+    themselves, the tightest do, and before these what is `given`. Of parts that hang together the one with
+    most vertices carries the others.
     """
     members = [np.flatnonzero(parts == part) for part in range(parts.max(initial=-1) + 1)]
     shapes = (rest, before, after)
@@ -36,14 +45,15 @@ def find(rest: Array, before: Array, after: Array, parts: Indices, planted: set[
     )
 
     tree = {part: {part} for part in range(len(members))}  # the parts that hang together with each
-    chosen: dict[int, list[tuple[int, int]]] = {part: [] for part in tree}
-    for _, a, b in found:
-        one, other = tree[int(parts[a])], tree[int(parts[b])]
+    chosen: dict[int, list[tuple[int, int, int]]] = {part: [] for part in tree}  # with the part carried then
+    offered = [((int(parts[a]), int(parts[b])), (a, b)) for _, a, b in found]
+    for (first, second), (a, b) in (*given, *offered):
+        one, other = tree[first], tree[second]
         if one is not other and not (one & planted and other & planted):
             one |= other
             tree.update(dict.fromkeys(other, one))
-            chosen[int(parts[a])].append((a, b))
-            chosen[int(parts[b])].append((b, a))
+            chosen[first].append((a, b, second))
+            chosen[second].append((b, a, first))
 
     joints: list[tuple[int, int]] = []
     reached: set[int] = set()
@@ -52,9 +62,9 @@ def find(rest: Array, before: Array, after: Array, parts: Indices, planted: set[
         while waiting:
             part = waiting.pop()
             reached.add(part)
-            onward = [(a, b) for a, b in chosen[part] if int(parts[b]) not in reached]
-            joints += onward
-            waiting += [int(parts[b]) for _, b in onward]
+            onward = [joint for joint in chosen[part] if joint[2] not in reached]
+            joints += [(a, b) for a, b, _ in onward]
+            waiting += [carried for _, _, carried in onward]
     return np.array(joints, int).reshape(-1, 2)
 
 

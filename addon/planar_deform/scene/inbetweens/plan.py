@@ -13,6 +13,7 @@ from ... import native
 from ...model.lattice.pin_places import LedMotion, PinPlaces
 from ...model.plane.frame import Array, Array32, Indices
 from ...model.posing.held_pins import Guide, GuidedMotion, HeldPin, PinnedOptions, pinned
+from ...model.posing.joint_points import Cut, JointPoints
 from ...model.posing.pin_path import PinPath
 from ...model.timing.order_of_time import Entry
 from ...model.work import Progress
@@ -67,6 +68,7 @@ class Plan:
     turns: list[int]
     held: list[HeldPin]  # the enabled pins; the vertices of `places` are behind the drawing's
     places: PinPlaces | None  # of a lattice's pins
+    hung: JointPoints | None  # of a drawing's joints
     path: str  # "STRAIGHT" | "ARC"
     smooth: bool
     # Of each transition, by the pins' keys; none at all while they are not known.
@@ -98,7 +100,7 @@ class Plan:
 
     def motion(
         self, first: int = 0, last: int | None = None, progress: Progress | None = None
-    ) -> native.Inbetweens | GuidedMotion | LedMotion | Blend:
+    ) -> native.Inbetweens | GuidedMotion | LedMotion | Cut | Blend:
         """The way through keys `first` to `last`, at their `times`. Raises SolveError, Cancelled."""
         last = len(self.keys) - 1 if last is None else last
         times = self.times[first : last + 1]
@@ -108,9 +110,9 @@ class Plan:
         flags = [hold.flags for hold in holds] if self.cage is None else []
         pins: PinnedOptions = pinned(self.held, flags) if np.any(flags) else {}
         free = native.Inbetweens(
-            np.stack([self._with_places(key) for key in self.keys[first : last + 1]]),
+            np.stack([self._with_points(key) for key in self.keys[first : last + 1]]),
             **self.elements,
-            rest=self._with_places(self.rest),
+            rest=self._with_points(self.rest),
             key_times=times,
             turns=np.array(self.turns[first:last], np.int32)[:, None],
             anchor=[hold.anchor for hold in holds],
@@ -125,7 +127,7 @@ class Plan:
         guided = any(guides.values())
         motion = GuidedMotion(free, times, guides, self.held) if guided else free
         if self.places is None:
-            return motion
+            return motion if self.hung is None else Cut(motion, len(self.rest))
         leading = [hold.anchor - len(self.rest) for hold in holds if hold.anchor is not None]  # all of them
         return LedMotion(motion, self.places, times, leading, [np.flatnonzero(hold.flags) for hold in holds])
 
@@ -150,6 +152,11 @@ class Plan:
 
     def _with_places(self, shape: Array) -> Array:
         return shape if self.places is None else self.places.extended(shape)
+
+    def _with_points(self, shape: Array) -> Array:
+        """A shape with the places of a lattice's pins, or the points of joints, behind it."""
+        behind = self.places or self.hung
+        return shape if behind is None else behind.extended(shape)
 
     def solve(self, progress: Progress | None = None) -> list[Array]:
         """The generated positions, n x 2 each, in order. Raises SolveError and Cancelled."""
@@ -194,7 +201,8 @@ class Plan:
         parts = {int(parts_of[rows[0]]) for rows, still in held if still}
         chosen = [rows for rows, still in held if still or int(parts_of[rows[0]]) not in parts]
         anchor = np.unique(np.concatenate(chosen)).astype(np.int32) if chosen else None
-        found = joints.find(self._with_places(self.rest), before, after, parts_of, parts)
+        given = [] if self.hung is None else self.hung.given(len(self.rest))
+        found = joints.find(self._with_places(self.rest), before, after, parts_of, parts, given)
         guided = self._paths(transition)
         return _Holds(
             anchor, found, [still or pin.key in guided for pin, still in zip(self.held, stands, strict=True)]

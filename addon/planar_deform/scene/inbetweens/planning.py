@@ -22,13 +22,14 @@ from ...errors import Refusal
 from ...model.lattice.pin_places import PinPlaces
 from ...model.plane.frame import Array32, Indices
 from ...model.posing.held_pins import HeldPin
+from ...model.posing.joint_points import JointPoints, points_of
 from ...model.posing.pins import Holder
 from ...model.timing.order_of_time import Entry, durations, even, frames_between
 from ..lattice.pinned_places import pinned_places
 from ..objects.any_object import AnyObject, shape_refusal
 from ..objects.cutout_object import CutoutObject
 from ..objects.lattice_object import LatticeObject, space_refusal
-from ..pins import pin_list
+from ..pins import joint_list, pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
 from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
@@ -144,6 +145,10 @@ def _plan_of(
         first = len(elements["triangles"])
         elements = {"triangles": np.concatenate([elements["triangles"], joined])}
         held = _held_places(places, len(drawing.rest), elements["triangles"], first)
+    hung = _hung(drawing, obj)
+    if hung is not None:
+        joined = hung.triangles(len(drawing.rest))
+        elements = {"triangles": np.concatenate([elements["triangles"], joined])}
     result = Plan(
         drawing=drawing,
         shapes=shapes,
@@ -155,6 +160,7 @@ def _plan_of(
         turns=turns,
         held=held,
         places=places,
+        hung=hung,
         path=obj.planar.anchor_path,
         smooth=obj.planar.smooth,
         cage=cage_of(obj),
@@ -162,6 +168,13 @@ def _plan_of(
     if held:
         result.pin_paths = [guiding.paths(obj, result, number, name) for number, name in enumerate(names)]
     return result
+
+
+def _hung(drawing: AnyObject, obj: bpy.types.Object) -> JointPoints | None:
+    """The points of the joints that are on."""
+    if not isinstance(drawing, CutoutObject):
+        return None
+    return points_of(joint_list.bound_joints(obj, drawing), drawing.rest, drawing.cutout.triangles)
 
 
 def _held(drawing: AnyObject, obj: bpy.types.Object) -> list[HeldPin]:

@@ -27,7 +27,7 @@ from ..lattice.posed import PosedObject
 from ..lattice.posed_lattice import PosedLattice
 from ..lattice.rig import waiting
 from ..objects.cutout_object import CutoutObject
-from ..pins import controls, pin_list
+from ..pins import controls, joint_list, pin_list
 from ..sequence import pose_state
 
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
@@ -124,7 +124,7 @@ def followed(
         goal = _goal(pin, holder, drawing, positions, back, depsgraph)
         stood = goals.get(holder.pin.key)
         goals[holder.pin.key] = goal if stood is None else goal._replace(scale=stood.scale)
-    poser = partial(drawing.poser, obj.planar.method.lower(), positions)
+    poser = partial(joint_list.solver_of(obj, drawing), positions)
     return PinFollow(drawing.cutout, positions, [holder.pin for holder in holders], goals, poser)
 
 

@@ -17,6 +17,7 @@ from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapp
 from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, fitted
 from ...model.posing import solver_cache
+from ...model.posing.joints import Ties
 from ...model.posing.pins import Holder
 from ..sequence import pose_state
 from ..storage import shape_keys
@@ -214,9 +215,9 @@ class CutoutObject(FlatObject):
         """The triangles, m x 3."""
         return self.cutout.triangles
 
-    def poser(self, method: native.Method, positions: Array) -> native.Poser:
-        """A solver that stands at these positions. May be called in another thread."""
-        return solver_cache.poser_for(self.session_uid, self.cutout, method, positions)
+    def poser(self, method: native.Method, positions: Array, ties: Ties | None = None) -> native.Poser:
+        """A solver that stands at these positions, with joints if any. May be called in another thread."""
+        return solver_cache.poser_for(self.session_uid, self.cutout, method, positions, ties)
 
     def plane_from_ray(self, origin: Array, direction: Array, pin: Holder | None = None) -> Array | None:
         """Where a world ray meets the plane in which a pin is moved, or the first part's (2,).
@@ -263,6 +264,16 @@ class CutoutObject(FlatObject):
             if found is not None and found.distance <= within:
                 return found
         return None
+
+    @property
+    def depths(self) -> Array:
+        """Of each part, across the plane."""
+        return self._depths
+
+    def parts_by_depth(self, part: int) -> list[int]:
+        """The other parts, those first that are nearest in depth."""
+        order = np.argsort(np.abs(self._depths - self._depths[part]), kind="stable")
+        return [other for other in order.tolist() if other != part]
 
     # -- writing
 

@@ -7,15 +7,17 @@ import itertools
 import re
 from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import bpy
 import numpy as np
 
+from ... import native
 from ...errors import Refusal
 from ...model.plane.cutout import Cutout
 from ...model.plane.frame import Array, Indices
 from ...model.plane.locate import MeshPoint
+from ...model.posing.joints import KINDS as JOINTS
 from ...model.posing.pins import Holder, Pin
 from ...model.posing.posing import PinResult, result_of
 from ...model.posing.rebinding import NEGLIGIBLE
@@ -51,6 +53,9 @@ class Drawing(Protocol):
 
     def from_local(self, places: Array) -> Array:
         """The same back."""
+
+    def poser(self, method: native.Method, positions: Array) -> Any:
+        """A solver that stands at these positions. May be called in another thread."""
 
 
 def sync(obj: bpy.types.Object) -> None:
@@ -172,6 +177,11 @@ def pinned_objects(obj: bpy.types.Object) -> list[bpy.types.Object]:
     )
 
 
+def is_joint(pin: bpy.types.PropertyGroup) -> bool:
+    """Whether what is in the list is no pin, but holds two parts together; see joint_list.py."""
+    return pin.kind in JOINTS
+
+
 def groups_of(obj: bpy.types.Object) -> set[str]:
     """The names of the vertex groups that the pins of an object hold."""
     return {pin.group for pin in obj.planar.pins}
@@ -204,7 +214,9 @@ def bound_pins(
     known = {holder.pin.key: holder for holder in before}
     holders = []
     for key, pin in enumerate(settings.pins):
-        rows, weights = _held(pin, drawing, groups)
+        if is_joint(pin):
+            continue
+        rows, weights = members_held(pin, drawing, groups)
         inside = (rows >= 0) & (weights > 0.0)
         if not inside.any():
             continue
@@ -235,7 +247,7 @@ def is_reached(pin: bpy.types.PropertyGroup, drawing: Drawing, holder: Holder) -
     return bool(grown <= SAME_SCALE + rounding / holder.size)
 
 
-def _held(
+def members_held(
     pin: bpy.types.PropertyGroup, drawing: Drawing, groups: Mapping[int, Mapping[str, Members]]
 ) -> Members:
     """The rows of a drawing that a pin holds, -1 where it has none, and with what weights."""

@@ -15,7 +15,8 @@ import bpy
 import numpy as np
 
 from ...errors import Refusal
-from ...model.plane.frame import Array32, Indices
+from ...model.plane.frame import Array, Array32, Indices
+from ...model.posing import joints
 from ...model.posing.pins import Holder, Pin
 from ...model.posing.rebinding import FULL, STILL_THERE, rebound
 from ..objects import rest_shape
@@ -58,9 +59,15 @@ def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Mem
         vertices, weights = groups[pin.group]
         rows = drawing.rows_of(vertices)
         inside = (rows >= 0) & (weights > 0.0)
-        model = Pin(key, pin.kind, rows[inside], weights[inside])
         kept = places[pin.group]
         place = drawing.rest_places(np.array([kept.place]))[0]
+        parts = (
+            joints.two_parts(rows[inside], weights[inside], drawing.parts) if pin.kind == "HINGE" else None
+        )
+        if parts is not None:
+            changed |= _hold_hinge(drawing, pin, parts, place, (rows[inside], weights[inside]))
+            continue
+        model = Pin(key, "POINT" if pin.kind == "POINT" else "PATCH", rows[inside], weights[inside])
         whole = pin.owns_group and kept.even
         found = rebound(drawing.cutout, model, place, SAME_PLACE, known=drawing.known, whole=whole)
         if found is not None:
@@ -70,6 +77,23 @@ def _hold(obj: bpy.types.Object, drawing: CutoutObject, groups: Mapping[str, Mem
         if pin.has_target and len(model.vertices):
             _keep_target(drawing, pin, Holder(model, drawing.cutout))
     return changed
+
+
+def _hold_hinge(
+    drawing: CutoutObject, pin: bpy.types.PropertyGroup, parts: tuple[int, int], place: Array, group: Members
+) -> bool:
+    """Make a hinge hold its place in both parts, where its group does not; whether that was so."""
+    cutout, (rows, weights) = drawing.cutout, group
+    for part in parts:
+        mine = cutout.parts[rows] == part
+        holder = Holder(Pin(0, "POINT", rows[mine], weights[mine]), cutout)
+        if np.linalg.norm(holder.place(cutout.rest) - place) > SAME_PLACE * cutout.diagonal:
+            break
+    else:
+        return False
+    rows, weights = joints.hinge_binding(cutout, parts, place)
+    pin_list.rebind(pin.id_data, pin, drawing.vertex_indices[rows], weights)
+    return True
 
 
 def _keep_target(drawing: CutoutObject, pin: bpy.types.PropertyGroup, holder: Holder) -> None:

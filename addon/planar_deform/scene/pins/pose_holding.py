@@ -8,6 +8,7 @@ from collections.abc import Callable
 import bpy
 
 from ... import native
+from .pin_list import is_joint
 
 # Of a triangle: 2 is undistorted. What is less distorted is hardly seen to go.
 DISTORTED = 2.02
@@ -20,7 +21,7 @@ def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion | N
     counts. All methods but AKVF give the shape that belongs to the pins: whatever none of them holds goes
     back to rest.
     """
-    enabled = [pin for pin in obj.planar.pins if pin.enabled]
+    enabled = [pin for pin in obj.planar.pins if pin.enabled and not is_joint(pin)]
     if obj.planar.method == "AKVF" or not enabled or any(pin.has_target for pin in enabled):
         return None
     found = distortion()

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ... import compat
+from ...model.posing.joints import KINDS as JOINTS
 from ..storage import digests, pin_paths
 from ..storage.cage import cage_of
 
@@ -51,7 +52,10 @@ def changed(then: str, now: str) -> list[str]:
 def _pins(obj: bpy.types.Object) -> str:
     enabled = [pin for pin in obj.planar.pins if pin.enabled]
     if obj.type == "MESH":
-        return digests.of_groups(obj, [pin.group for pin in enabled]) if enabled else ""
+        hung = [pin.group for pin in enabled if pin.kind in JOINTS]
+        pins = [pin.group for pin in enabled if pin.kind not in JOINTS]
+        parts = [digests.of_groups(obj, groups) if groups else "" for groups in (pins, hung)]
+        return "+".join(parts) if hung else parts[0]
     held = [str(pin.lattice_point) for pin in enabled if pin.lattice_point >= 0]
     for pinned in {pin.object for pin in enabled if pin.object is not None}:
         held.append(digests.of_groups(pinned, [pin.group for pin in enabled if pin.object == pinned]))

@@ -15,6 +15,7 @@ from mathutils import Vector
 from ...errors import Refusal
 from ...model.input import view_ray
 from ...model.plane.frame import Array
+from ..pins.pin_list import is_joint
 from .snapshot import PinPlace
 
 # Pixels at a UI scale of 1.
@@ -130,6 +131,7 @@ def ring_about(obj: bpy.types.Object, pins: Iterable[PinPlace]) -> Ring | None:
     """The ring about the selected pins of an object that hold it; None where there are none."""
     settings = obj.planar.pins
     chosen = [pin for pin in pins if settings[pin.key].select and settings[pin.key].enabled]
+    chosen = [pin for pin in chosen if not is_joint(settings[pin.key])]
     if len(chosen) > 1:
         return Ring(np.mean([pin.target for pin in chosen], axis=0))
     return Ring(chosen[0].target, chosen[0], settings[chosen[0].key].kind == "PATCH") if chosen else None

@@ -27,7 +27,7 @@ from ..lattice.posed import PosedObject, posing_refusal, read_posed
 from ..lattice.rig import RigState, rig_state
 from ..objects import cutout_object
 from ..objects.cutout_object import CutoutObject
-from ..pins import pin_list
+from ..pins import joint_list, pin_list
 from ..storage import changes
 from ..storage.topology import edge_vertices
 
@@ -227,11 +227,14 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
         drawing = cutout_object.made_of(obj) if current is None else current.drawing.carried(obj)
     except Refusal as refusal:
         return _Kept(obj.name, Snapshot(refusal=str(refusal)), state, None)
-    holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj), old.holders if old else ())
+    groups = pin_list.read_groups(obj)
+    holders = pin_list.bound_pins(obj, drawing, groups, old.holders if old else ())
+    joints = joint_list.bound_joints(obj, drawing, groups)
     edges = None if current is None else current.edges
     if not state.show_mesh or edges is None:
         edges = _edges(obj, drawing)
-    snapshot = Snapshot(_places(drawing, _results(drawing, holders)), edges, (drawing, drawing.positions))
+    results = [*_results(drawing, holders), *joint_list.carried(joints, drawing, drawing.positions)]
+    snapshot = Snapshot(_places(drawing, results), edges, (drawing, drawing.positions))
     made = _Made(drawing, holders, edges if state.show_mesh else None)
     return _Kept(obj.name, snapshot, state, made)
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Marks and words drawn in pixels.
 
-Of pins, a disc is a point, a square that turns is a patch, a square on its corner is a point of a lattice.
+Of pins, a disc is a point, a square that turns is a patch, a square on its corner is a point of a lattice. Of
+joints, which are drawn as rings, a round one is a hinge, a square one is a weld.
 """
 
 from __future__ import annotations
@@ -85,6 +86,17 @@ def draw_patch(
         _line(start, end, LIT if lit else fill, OUTLINE * scale)
         _shape("box", _SQUARE, radius * 0.92, fill)
         _rim("square", _SQUARE, radius * 0.92, scale, lit)
+        _dot(scale, active)
+
+
+def draw_joint(centre: Vector, scale: float, fill: Colour, *, rigid: bool, lit: bool, active: bool) -> None:
+    """A joint of two parts: a ring, between which the drawing is seen."""
+    name, corners = ("square", _SQUARE) if rigid else ("circle", _CIRCLE)
+    radius = RADIUS * scale * (0.92 if rigid else 1.0)
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((centre.x, centre.y))
+        _outline(name, corners, radius, RIM, 3.0 * OUTLINE * scale)
+        _outline(name, corners, radius, LIT if lit else fill, 1.5 * OUTLINE * scale)
         _dot(scale, active)
 
 

@@ -21,8 +21,9 @@ class PLANAR_PT_follow(PlanarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.object.planar
-        if 0 <= settings.active_pin < len(settings.pins):
-            _draw_pin(layout, settings.pins[settings.active_pin])
+        active = settings.pins[settings.active_pin] if 0 <= settings.active_pin < len(settings.pins) else None
+        if active is not None and not pin_list.is_joint(active):
+            _draw_pin(layout, active)
         row = layout.row(align=True)
         row.operator("planar.add_controls", icon="EMPTY_DATA")
         row.operator("planar.follow_bones", icon="BONE_DATA")

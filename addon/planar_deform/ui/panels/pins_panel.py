@@ -13,12 +13,12 @@ from ...scene.image import file_state
 from ...scene.lattice.posed import posing_refusal
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
-from ...scene.pins.pin_list import pinned_object
+from ...scene.pins.pin_list import is_joint, pinned_object
 from ...scene.pins.pose_holding import unheld
 from ...scene.view import coarseness, snapshot
 from .tab import PlanarPanel, lines
 
-KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
+KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE", "HINGE": "MESH_CIRCLE", "WELD": "SNAP_FACE"}
 # Of the drawing's size: pins are soft, and below this the solver itself calls a handle reached.
 SHOWN_GAP = 1e-3
 
@@ -37,8 +37,17 @@ def _fault(context: bpy.types.Context, pin: bpy.types.PropertyGroup, index: int)
         return "Its object is gone: choose another one, or remove the pin"
     if pin.group not in pinned.vertex_groups:
         return "The vertex group is gone: choose another one"
+    if is_joint(pin) and context.object.type == "LATTICE":
+        return "Joints hold parts of a mesh together: make it a Point or a Patch"
+    if is_joint(pin) and pin.enabled and context.object.planar.method != "HOLD":
+        return "AKVF and ARAP do not hold joints: choose Hold Shape, or switch the joints off"
     if not lost:
         return None
+    if is_joint(pin):
+        return (
+            "It waits: its vertices do not lie on each other at rest, of two parts. Assign some of both in "
+            "Edit Mode, or remove it and attach again"
+        )
     if pinned == context.object:
         return "The vertex group holds no vertices of faces: assign some in Edit Mode"
     return waiting(context.object, [index]) or (
@@ -163,6 +172,9 @@ class PLANAR_MT_add_pins(bpy.types.Menu):
         layout.separator()
         layout.operator("planar.add_pins_from_all_groups", text="Points on All Vertex Groups").kind = "POINT"
         layout.operator("planar.add_pins_from_all_groups", text="Patches on All Vertex Groups").kind = "PATCH"
+        if context.object is not None and context.object.type == "MESH":
+            layout.separator()
+            layout.operator("planar.attach", text="Joints Between Parts (Attach)", icon="LINKED")
 
 
 def _draw_pin(

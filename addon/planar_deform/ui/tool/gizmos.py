@@ -12,6 +12,7 @@ from mathutils import Matrix, Vector
 
 from ...model.plane.frame import Array
 from ...preferences import looks
+from ...scene.pins.pin_list import is_joint
 from ...scene.view import snapshot
 from ...scene.view.mouse import REACH, RING, Ring, on_ring, pin_under, pixels_to, ring_about
 from ...scene.view.snapshot import PinPlace
@@ -61,6 +62,8 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
             scale *= wanted.size / marks.RADIUS
             if pin.lattice_point >= 0:
                 marks.draw_lattice_point(place, scale, fill, **state)
+            elif is_joint(pin):
+                marks.draw_joint(place, scale, fill, rigid=pin.kind == "WELD", **state)
             elif pin.kind == "PATCH":
                 marks.draw_patch(place, _seen(context, mark.place, mark.turned), scale, fill, **state)
             else:

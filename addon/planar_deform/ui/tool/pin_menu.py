@@ -48,6 +48,9 @@ class PLANAR_MT_drawing_context(bpy.types.Menu):
         layout.operator("planar.settle_pose")
         layout.operator("planar.reset_to_rest")
         layout.separator()
+        layout.operator("planar.attach", icon="LINKED")
+        layout.operator("planar.detach", icon="UNLINKED")
+        layout.separator()
         for text, action in (("Select All", "ALL"), ("Select None", "NONE"), ("Invert Selection", "INVERT")):
             layout.operator("planar.select_pins", text=text).action = action
         layout.operator("planar.box_select_pins")

@@ -36,6 +36,7 @@ class PoseTool(bpy.types.WorkSpaceTool):
         "Drag pins; the drawing follows.\n"
         "• Click selects a pin, Shift-click adds to the selection.\n"
         "• Ctrl-click adds a pin to the active mesh, or to what the active lattice deforms.\n"
+        "• Shift-Ctrl-click adds a joint where two parts lie on each other.\n"
         "• G moves, R turns, S spreads, X removes the selected pins.\n"
         "• I keys the pose"
     )
@@ -47,6 +48,7 @@ class PoseTool(bpy.types.WorkSpaceTool):
         _key("planar.click", "LEFTMOUSE"),
         _key("planar.click", "LEFTMOUSE", shift=True, properties=[("extend", True)]),
         _key("planar.click", "LEFTMOUSE", ctrl=True, properties=[("add", True)]),
+        _key("planar.click", "LEFTMOUSE", shift=True, ctrl=True, properties=[("add_joint", True)]),
         _key("planar.pin_menu", "RIGHTMOUSE"),
         _key("planar.drag_pins", "G"),
         _key("planar.rotate_pins", "R"),

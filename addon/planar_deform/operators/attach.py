@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hanging parts of a drawing together by joints, and taking these away."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
+
+from ..errors import Refusal
+from ..model.plane.frame import Indices
+from ..model.posing import attaching, joints
+from ..model.posing.attaching import Attachment
+from ..scene.objects.cutout_object import CutoutObject, begin
+from ..scene.pins import joint_list, pin_list
+from ..scene.properties import JOINT_KINDS
+from .modal import running
+from .pins import ON_MESH, PinListOperator
+from .posing_operator import PosingOperator
+
+ONE_PART = (
+    "The drawing is all one part: join the layers that hang together as one object (Ctrl-J), or select others"
+)
+
+
+class JointOperator(PosingOperator):
+    """Changes the joints of a mesh of several parts."""
+
+    def apply(self, context: bpy.types.Context) -> None:
+        obj, drawing = context.object, begin(context)
+        if not drawing.parts.any():
+            raise Refusal(ONE_PART)
+        pin_list.check_groups_of(obj)
+        pin_list.sync(obj)
+        self.change(obj, drawing)
+
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
+        """Change the joints, in a subclass. Raises Refusal, with nothing changed."""
+        raise NotImplementedError
+
+
+class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
+    bl_idname = "planar.attach"
+    bl_label = "Attach"
+    bl_description = (
+        "Hang the parts of the drawing together that lie on each other at rest: each by a joint on another "
+        "one. Joints that are there stay"
+    )
+
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
+        cutout = drawing.cutout
+        there = [joint.parts for joint in joint_list.bound_joints(obj, drawing)]
+        found = attaching.attachments(cutout, drawing.depths, there)
+        if not found:
+            raise Refusal(
+                "All parts that lie on each other hang together already"
+                if there
+                else "No parts of the drawing lie on each other at rest: lay them so and use Set as Rest"
+            )
+        for pin in obj.planar.pins:
+            pin.select = False
+        for attachment in found:
+            _add(obj, drawing, attachment, _held_by(drawing, attachment)).select = True
+        hinges = sum(not attachment.rigid for attachment in found)
+        self.report(
+            {"INFO"}, f"Attached by {_counted(hinges, 'hinge')} and {_counted(len(found) - hinges, 'weld')}"
+        )
+
+
+class PLANAR_OT_add_joint(JointOperator, bpy.types.Operator):
+    bl_idname = "planar.add_joint"
+    bl_label = "Add Joint"
+    bl_description = "Hang two parts of the drawing together at a place where they lie on each other at rest"
+
+    location: FloatVectorProperty(
+        name="Location", description="World position of the joint", subtype="TRANSLATION", unit="LENGTH"
+    )
+    kind: EnumProperty(name="Kind", description="How the joint holds the two parts", items=JOINT_KINDS)
+    radius: FloatProperty(
+        name="Radius",
+        description="How far from it a weld holds vertices, at rest; 0: a twentieth of the drawing",
+        subtype="DISTANCE",
+        unit="LENGTH",
+        min=0.0,
+    )
+    extend: BoolProperty(
+        name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
+    )
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.use_property_split = True
+        column.prop(self, "kind")
+        if self.kind == "WELD":
+            column.prop(self, "radius")
+
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
+        cutout = drawing.cutout
+        upper = drawing.nearest(np.array(self.location, np.float64), ON_MESH * cutout.diagonal)
+        if upper is None:
+            raise Refusal("No mesh there: add the joint where two parts lie on each other")
+        corners = cutout.triangles[upper.triangle]
+        part, place = int(cutout.parts[corners[0]]), upper.weights @ cutout.rest[corners]
+        below = [
+            other
+            for other in drawing.parts_by_depth(part)
+            if joints.point_on(cutout, other, place).distance <= joints.ON * cutout.diagonal
+        ]
+        if not below:
+            raise Refusal("No other part lies there at rest: add the joint where two parts lie on each other")
+        rigid = self.kind == "WELD"
+        attachment = Attachment(below[0], part, place, rigid)
+        radius = self.radius or drawing.cutout.diagonal / 20.0
+        joint = _add(obj, drawing, attachment, _within(drawing, attachment, radius))
+        if not self.extend:
+            for pin in obj.planar.pins:
+                pin.select = False
+        joint.select = True
+
+
+class PLANAR_OT_detach(PinListOperator, bpy.types.Operator):
+    bl_idname = "planar.detach"
+    bl_label = "Detach"
+    bl_description = "Remove the selected joints, or all if none is selected; the drawing stays as it is"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        running.end()
+        obj = context.object
+        if not (joint_list.remove(obj, selected=True) or joint_list.remove(obj, selected=False)):
+            self.report({"WARNING"}, "There are no joints to remove")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _add(
+    obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment, rows: Indices
+) -> bpy.types.PropertyGroup:
+    """Add a joint; a weld holds these rows."""
+    parts = (attachment.carrier, attachment.carried)
+    if attachment.rigid:
+        if joints.bound(0, "WELD", rows, np.ones(len(rows)), drawing.cutout) is None:
+            raise Refusal("Fewer than two vertices lie on the other part there: make the radius larger")
+        return joint_list.add(obj, "WELD", drawing.vertex_indices[rows], np.ones(len(rows)))
+    rows, weights = joints.hinge_binding(drawing.cutout, parts, attachment.place)
+    return joint_list.add(obj, "HINGE", drawing.vertex_indices[rows], weights)
+
+
+def _held_by(drawing: CutoutObject, attachment: Attachment) -> Indices:
+    """What a weld holds of a part that lies on another: all of it, and what of the other lies under it."""
+    reach = drawing.cutout.rest[drawing.parts == attachment.carried] - attachment.place
+    return _within(drawing, attachment, float(np.linalg.norm(reach, axis=1).max()))
+
+
+def _within(drawing: CutoutObject, attachment: Attachment, radius: float) -> Indices:
+    """Rows of both parts within a radius at rest, and of each the corners of the triangle at the place."""
+    cutout = drawing.cutout
+    parts = (attachment.carrier, attachment.carried)
+    near = np.isin(cutout.parts, parts)
+    near &= np.linalg.norm(cutout.rest - attachment.place, axis=1) <= radius
+    for part in parts:
+        near[cutout.triangles[joints.point_on(cutout, part, attachment.place).triangle]] = True
+    return np.flatnonzero(near).astype(np.int32)
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" + "s" * (count != 1)
+
+
+CLASSES = (PLANAR_OT_attach, PLANAR_OT_add_joint, PLANAR_OT_detach)

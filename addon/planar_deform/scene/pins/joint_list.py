@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Joints among the pins of an object: what in its list holds two parts of its mesh together.
+
+They are kept as pins are, by vertex groups, but have no target and are no handles of the solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from typing import Any
+
+import bpy
+
+from ...errors import Refusal
+from ...model.plane.frame import Array, Indices
+from ...model.posing import joints
+from ...model.posing.joints import Joint, Ties
+from ...model.posing.posing import PinResult
+from ..objects.cutout_object import CutoutObject
+from ..storage import vertex_groups
+from ..storage.vertex_groups import Members
+from . import pin_list
+from .pin_list import Drawing
+
+NAMES = {"HINGE": "Hinge", "WELD": "Weld"}
+
+
+def has_joints(obj: bpy.types.Object) -> bool:
+    """Whether any joint of an object is on."""
+    return any(pin.enabled and pin_list.is_joint(pin) for pin in obj.planar.pins)
+
+
+def bound_joints(
+    obj: bpy.types.Object, drawing: Drawing, groups: Mapping[int, Mapping[str, Members]] | None = None
+) -> list[Joint]:
+    """The joints of an object that hold two of its parts; the others wait. `groups`: as of bound_pins()."""
+    if not isinstance(drawing, CutoutObject) or not any(map(pin_list.is_joint, obj.planar.pins)):
+        return []
+    groups = pin_list.read_groups(obj) if groups is None else groups
+    found = []
+    for key, pin in enumerate(obj.planar.pins):
+        if not pin_list.is_joint(pin):
+            continue
+        rows, weights = pin_list.members_held(pin, drawing, groups)
+        inside = (rows >= 0) & (weights > 0.0)
+        settings = {"enabled": pin.enabled, "weight": pin.weight}
+        joint = joints.bound(key, pin.kind, rows[inside], weights[inside], drawing.cutout, **settings)
+        if joint is not None:
+            found.append(joint)
+    return found
+
+
+def ties(obj: bpy.types.Object, drawing: Drawing) -> Ties | None:
+    """What joints tie together of an object; None where there is nothing. Raises Refusal."""
+    found = joints.ties_of(bound_joints(obj, drawing))
+    if found is not None and obj.planar.method != "HOLD":
+        raise Refusal("AKVF and ARAP do not hold joints: choose Hold Shape, or switch the joints off")
+    return found
+
+
+def solver_of(obj: bpy.types.Object, drawing: Drawing) -> Callable[..., Any]:
+    """What makes a solver of given positions, for any thread, that holds the joints. Raises Refusal."""
+    method = obj.planar.method.lower()
+    if not isinstance(drawing, CutoutObject):
+        return partial(drawing.poser, method)
+    return partial(drawing.poser, method, ties=ties(obj, drawing))
+
+
+def unmoved(obj: bpy.types.Object, chosen: Iterable[int]) -> str | None:
+    """Why nothing moves where only joints of an object are chosen, and what to do."""
+    pins = obj.planar.pins
+    if not all(key < len(pins) and pin_list.is_joint(pins[key]) for key in chosen):
+        return None
+    return "Joints go where the parts take them that they hold together: select a pin"
+
+
+def carried(found: Iterable[Joint], drawing: Drawing, positions: Array) -> list[PinResult]:
+    """Where joints are on positions n x 2."""
+    return joints.carried(found, positions, drawing.cutout.triangles)
+
+
+def add(obj: bpy.types.Object, kind: str, vertices: Indices, weights: Array) -> bpy.types.PropertyGroup:
+    """Add a joint on mesh vertices of two parts."""
+    group = pin_list.new_group(obj)
+    vertex_groups.fill(group, vertices, weights)
+    joint = pin_list.append(obj, group, kind, owns_group=True)
+    names = {other.name for other in obj.planar.pins if other != joint}
+    joint.name = pin_list.free_name(NAMES[kind], names)
+    return joint
+
+
+def remove(obj: bpy.types.Object, *, selected: bool) -> int:
+    """Remove joints, all or those selected; how many there were."""
+    gone = [
+        index
+        for index, pin in enumerate(obj.planar.pins)
+        if pin_list.is_joint(pin) and (pin.select or not selected)
+    ]
+    if gone:
+        pin_list.remove(obj, gone)
+    return len(gone)

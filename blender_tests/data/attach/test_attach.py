@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts of a drawing that hang together: found by a click, and posed as one character."""
+
+import time
+
+import bpy
+import numpy as np
+import pytest
+from figures import (
+    BODY,
+    EYE,
+    HEAD,
+    NECK,
+    SHOULDER,
+    SIZE,
+    WRIST,
+    drag,
+    figure,
+    gaps,
+    joint_places,
+    pin_at,
+    pinned,
+    shown,
+)
+from support import coordinates, evaluated
+
+HELD = 1e-3  # of the diagonal
+
+
+def kinds(obj):
+    return [pin.kind for pin in obj.planar.pins if pin.kind in {"HINGE", "WELD"}]
+
+
+def turned_by(obj, part, rest=None):
+    """How far a part is turned from rest, in radians, and how far from rigid, of the diagonal."""
+    positions, drawing = shown(obj)
+    rows = drawing.parts == part
+    before, now = (shape[rows] - shape[rows].mean(axis=0) for shape in (drawing.rest, positions))
+    across = (before[:, 0] * now[:, 1] - before[:, 1] * now[:, 0]).sum()
+    angle = np.arctan2(across, (before * now).sum())
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return angle, np.abs(now - before @ turn.T).max() / drawing.cutout.diagonal
+
+
+def place_of(obj, name):
+    """Where a pin is (2,), in the plane of the drawing."""
+    from planar_deform.model.posing.pins import Holder
+    from planar_deform.scene.pins import pin_list
+
+    positions, drawing = shown(obj)
+    pins = {obj.planar.pins[pin.key].name: pin for pin in pin_list.model_pins(obj, drawing)}
+    return Holder(pins[name], drawing.cutout).place(positions)
+
+
+def test_attach_finds_shoulder_wrist_and_neck():
+    obj = figure()
+    before = evaluated(obj)
+    assert bpy.ops.planar.attach() == {"FINISHED"}
+    assert kinds(obj) == ["HINGE"] * 3
+    assert all(pin.select for pin in obj.planar.pins)
+    np.testing.assert_allclose(joint_places(obj), sorted([NECK, SHOULDER, WRIST]), atol=0.12)
+    assert np.array_equal(evaluated(obj), before)  # nothing moves
+
+
+def test_attach_again_adds_only_what_is_missing():
+    obj = figure()
+    bpy.ops.planar.attach()
+    with pytest.raises(RuntimeError, match="hang together already"):
+        bpy.ops.planar.attach()
+    for pin in obj.planar.pins:
+        pin.select = False
+    obj.planar.pins[1].select = True
+    assert bpy.ops.planar.remove_pins() == {"FINISHED"}
+    assert bpy.ops.planar.attach() == {"FINISHED"}
+    assert kinds(obj) == ["HINGE"] * 3
+    np.testing.assert_allclose(joint_places(obj), sorted([NECK, SHOULDER, WRIST]), atol=0.12)
+
+
+def test_a_leaning_chest_takes_head_and_arms_along():
+    obj = pinned()
+    drag(obj, "Chest", (0.05, 0.02), angle=0.4)
+    assert max(gaps(obj).values()) < HELD
+    for part in range(4):
+        angle, bent = turned_by(obj, part)
+        assert angle == pytest.approx(0.4, abs=0.01)
+        assert bent < 1e-3
+    drag(obj, "Chest", (-0.05, -0.02), angle=-0.4)
+    positions, drawing = shown(obj)
+    assert np.abs(positions - drawing.rest).max() < 2e-3 * drawing.cutout.diagonal
+
+
+def test_a_hand_takes_its_sleeve_along_and_turns_about_its_wrist():
+    obj = pinned()
+    pin_at(obj, (4.6, 3.2), "Hand", kind="PATCH", radius=0.25)
+    drag(obj, "Hand", (-0.1, 0.15))
+    assert max(gaps(obj).values()) < HELD
+    assert turned_by(obj, 1)[0] > 0.3  # up, about the shoulder
+    drag(obj, "Hand", (0.0, 0.0), angle=1.0)
+    assert max(gaps(obj).values()) < HELD
+    assert turned_by(obj, 2)[0] == pytest.approx(1.0, abs=0.05)
+
+
+def test_welded_parts_lie_as_they_did():
+    obj = figure(HEAD, EYE)
+    bpy.ops.planar.attach()
+    assert kinds(obj) == ["WELD"]
+    pin_at(obj, (1.0, 4.8), "Head", kind="PATCH", radius=0.25)
+    drag(obj, "Head", (0.03, 0.0), angle=0.7)
+    assert max(gaps(obj).values()) < HELD
+    assert turned_by(obj, 1)[0] == pytest.approx(0.7, abs=0.01)
+
+
+def test_two_hundred_drags_there_and_back_leave_nothing_behind():
+    obj = pinned(cell=0.4)
+    pin_at(obj, (4.6, 3.2), "Hand")
+    random = np.random.default_rng(5)
+    worst = 0.0
+    for _ in range(100):
+        offset = random.uniform(-0.15, 0.15, 2)
+        for way in (offset, -offset):
+            drag(obj, "Hand", way.tolist())
+        worst = max(worst, *gaps(obj).values())
+    bpy.ops.planar.settle_pose()
+    positions, drawing = shown(obj)
+    assert worst < HELD
+    assert np.abs(positions - drawing.rest).max() < 1e-3 * drawing.cutout.diagonal
+
+
+def test_what_no_pin_decides_stays_with_the_part_it_hangs_on():
+    obj = pinned()
+    pin_at(obj, (4.6, 3.2), "Hand")
+    for turn in (0.5, -0.9, 0.7):  # about the shoulder, within reach
+        place = np.array(SHOULDER) + 2.95 * np.array([np.cos(turn), np.sin(turn)])
+        now = place_of(obj, "Hand")
+        drag(obj, "Hand", (SIZE * place - now).tolist())
+        bpy.ops.planar.settle_pose()
+        arm, bent = turned_by(obj, 1)
+        assert arm == pytest.approx(turn, abs=0.1)
+        assert bent < 1e-3
+        assert abs(turned_by(obj, 3)[0]) < 0.02  # the head
+        assert max(gaps(obj).values()) < HELD
+
+
+def test_a_joint_that_is_off_lets_go():
+    obj = pinned()
+    obj.planar.pins[0].enabled = False
+    assert len(gaps(obj)) == 3  # it is there
+    drag(obj, "Chest", (0.1, 0.1))
+    apart = gaps(obj)
+    assert apart[obj.planar.pins[0].name] > 0.05
+    assert sum(gap < HELD for gap in apart.values()) == 2
+    obj.planar.pins[0].enabled = True
+    bpy.ops.planar.settle_pose()
+    assert max(gaps(obj).values()) < HELD
+
+
+def test_joints_are_no_handles():
+    obj = pinned()
+    targets = [(pin.has_target, pin.angle) for pin in obj.planar.pins if pin.kind == "HINGE"]
+    drag(obj, "Chest", (0.1, 0.0))
+    assert [(pin.has_target, pin.angle) for pin in obj.planar.pins if pin.kind == "HINGE"] == targets
+    before = evaluated(obj)
+    bpy.ops.planar.select_pins(action="SELECT", pin=0)
+    with pytest.raises(RuntimeError, match="select a pin"):
+        bpy.ops.planar.drag_pins(offset=(0.1, 0.0))
+    assert np.array_equal(evaluated(obj), before)
+    assert bpy.ops.planar.reset_to_rest() == {"FINISHED"}
+    bpy.ops.planar.select_pins(action="ALL")
+    assert bpy.ops.planar.set_pin_kind(kind="POINT") == {"FINISHED"}
+    assert kinds(obj) == ["HINGE"] * 3
+
+
+@pytest.mark.parametrize("method", ["AKVF", "ARAP"])
+def test_other_methods_say_that_they_do_not_hold_joints(method):
+    obj = pinned()
+    obj.planar.method = method
+    before = coordinates(obj.data.vertices)
+    bpy.ops.planar.select_pins(action="SELECT", pin=3)
+    with pytest.raises(RuntimeError, match="choose Hold Shape, or switch the joints off"):
+        bpy.ops.planar.drag_pins(offset=(0.1, 0.0))
+    assert np.array_equal(coordinates(obj.data.vertices), before)
+    for pin in obj.planar.pins:
+        pin.enabled = pin.kind != "HINGE"
+    assert bpy.ops.planar.drag_pins(offset=(0.1, 0.0)) == {"FINISHED"}
+
+
+def test_a_joint_by_hand_holds_what_lies_under_it():
+    obj = figure()
+    place = obj.matrix_world @ obj.data.vertices[0].co.__class__((1.5, 3.2, 0.1))
+    assert bpy.ops.planar.add_joint(location=place) == {"FINISHED"}
+    np.testing.assert_allclose(joint_places(obj), [(1.5, 3.2)], atol=1e-4)
+    assert [pin.name for pin in obj.planar.pins] == ["Hinge"]
+    assert bpy.ops.planar.add_joint(location=place, kind="WELD", radius=0.4 * SIZE) == {"FINISHED"}
+    assert [pin.kind for pin in obj.planar.pins] == ["HINGE", "WELD"]
+    nowhere = obj.matrix_world @ obj.data.vertices[0].co.__class__((3.5, 3.2, 0.1))
+    with pytest.raises(RuntimeError, match="No other part lies there"):
+        bpy.ops.planar.add_joint(location=nowhere)
+
+
+def test_attach_and_detach_say_why_nothing_happens():
+    figure(BODY)
+    with pytest.raises(RuntimeError, match="all one part"):
+        bpy.ops.planar.attach()
+    apart = figure(BODY, (5.0, 0.0, 1.0, 1.0, 0.0))
+    with pytest.raises(RuntimeError, match="lie on each other at rest"):
+        bpy.ops.planar.attach()
+    assert len(apart.planar.pins) == 0
+    assert len(apart.vertex_groups) == 0
+
+
+def test_detach_removes_joints_and_their_groups():
+    obj = pinned()
+    drag(obj, "Chest", (0.05, 0.05))
+    before = evaluated(obj)
+    bpy.ops.planar.select_pins(action="NONE")
+    assert bpy.ops.planar.detach() == {"FINISHED"}
+    assert [pin.name for pin in obj.planar.pins] == ["Chest"]
+    assert len(obj.vertex_groups) == 1
+    assert np.array_equal(evaluated(obj), before)
+
+
+def test_a_move_costs_no_new_analysis():
+    """Prints what a move takes with and without joints."""
+    took = {}
+    for joined in (True, False):
+        obj = pinned(cell=0.05)
+        if not joined:
+            bpy.ops.planar.detach()
+            for place, name in ((WRIST, "W"), (NECK, "N"), ((3.0, 3.2), "A")):
+                pin_at(obj, place, name)
+        drag(obj, "Chest", (0.01, 0.0))
+        start = time.perf_counter()
+        for step in range(4):
+            drag(obj, "Chest", (0.01 * (-1) ** step, 0.0))
+        took[joined] = (time.perf_counter() - start) / 4
+    print({joined: round(1e3 * seconds, 1) for joined, seconds in took.items()}, len(obj.data.vertices))
+    assert took[True] < 8.0 * took[False]
