@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """In-betweens of a long motion in the window: progress, Esc, undo, other files and the view meanwhile."""
 
+import itertools
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import bpy
 import numpy as np
@@ -62,17 +64,19 @@ def writing() -> bool:
     return run() is None or run().share > 0.55
 
 
-def test_escape_while_it_is_solved_and_while_it_is_written(window: Window) -> Iterator[None]:
+def test_escape_and_undo_while_it_is_solved_and_while_it_is_written(window: Window) -> Iterator[None]:
     yield from motion(window)
     before = stored()
-    for phase in ("solving", "writing"):
+    for phase, way_out in itertools.product(
+        ("solving", "writing"), (window.undo, partial(window.key, "ESC"))
+    ):
         yield from start(window)
         if phase == "writing":
             yield from until(window, writing)
             assert run() is not None, "it was over before it could be looked at"
             assert stored() != before
             window.picture("generating")
-        yield from window.key("ESC")
+        yield from way_out()
         assert window.busy == [], phase
         assert stored() == before, phase
     yield from window.wait(0.5)

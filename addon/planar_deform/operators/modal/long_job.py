@@ -20,7 +20,7 @@ from ...errors import ObjectGone, Refusal
 from ...model.work import Progress, Work
 from ..posing_operator import ShapeOperator
 from . import reports, running
-from .session import PASSED_ON
+from .session import PASSED_ON, is_taken_back
 
 RATE = 1 / 60  # seconds between two looks
 SLICE = 0.01  # seconds of writing at a look
@@ -145,7 +145,7 @@ class LongOperator(ShapeOperator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if self._run.stopped:
             return self._end({"CANCELLED"})
-        if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
+        if event.value == "PRESS" and is_taken_back(event):
             return self._end({"CANCELLED"})
         if event.type == "TIMER":
             result = self._look(0.0, SLICE)

@@ -196,7 +196,7 @@ def is_dragged(context: bpy.types.Context, event: bpy.types.Event, press: tuple[
 
 
 def is_taken_back(event: bpy.types.Event) -> bool:
-    """Whether an event takes back what has been let go but is not shown yet: undo would take back another."""
+    """Whether an event takes back what is not done yet: Blender's own undo would take back something else."""
     undo: bool = event.type == "Z" and (event.ctrl or event.oskey) and not event.shift
     return undo or event.type in {"ESC", "RIGHTMOUSE"}
 
