@@ -19,5 +19,5 @@ tools/setup.sh test
 .venv/bin/python blender_tests/data/dense_cost.py
 .venv/bin/python blender_tests/data/follow_cost.py
 .venv/bin/python blender_tests/data/lattice_cost.py
-tools/window_tests.sh blender_tests/window/event_cost.py
+tools/window_tests.sh blender_tests/window/event_cost.py blender_tests/window/follow_cost.py
 tools/figures.sh

@@ -69,7 +69,7 @@ class PLANAR_OT_set_follow_offset(FollowOperator, bpy.types.Operator):
 class PLANAR_OT_clear_follow_offset(FollowOperator, bpy.types.Operator):
     bl_idname = "planar.clear_follow_offset"
     bl_label = "Clear Offset"
-    bl_description = "Take the selected pins to the origin of what they follow, patches without a turn"
+    bl_description = "Take the selected pins to the origin of what they follow; the turn of patches stays"
 
     def apply(self, context: bpy.types.Context) -> None:
         drawing, obj = begin_posing(context), context.object
