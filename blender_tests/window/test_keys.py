@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 from cutouts import active, imported, moved, pin, pin_data, place, ready, selected, shape
-from harness import Window
+from harness import Window, addon
 from mathutils import Vector
 
 LEFT, RIGHT = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
@@ -172,6 +172,34 @@ def test_s_spreads_and_gathers(window: Window) -> Iterator[None]:
     assert np.allclose(place(1), (1.2, 0.0, 0.0), atol=0.05), place(1)
     yield from window.undo()
     assert np.array_equal(shape(), before), "it is one undo step"
+
+
+def test_s_scales_a_patch_that_is_selected_alone(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT)
+    obj = active()
+    near = [v.index for v in obj.data.vertices if (obj.matrix_world @ v.co - Vector(RIGHT)).length < 0.45]
+    assert len(near) >= 4
+    addon("scene.pins.pin_list").add_on_vertices(obj, near, "PATCH")
+    bpy.ops.ed.undo_push(message="Patch")
+    yield from window.wait(0.2)
+    yield from window.click(window.pixel(place(1)))
+    before = shape()
+    yield from window.hover(window.pixel((1.5, 0.0, 0.5)))
+    yield from window.key("S")
+    yield from window.move(window.pixel((1.5, 0.0, 0.9)), steps=4)
+    yield from window.settled()
+    assert obj.planar.pins[1].scale == 1.0, "it is kept in the end"
+    assert moved(before, shape()) > 0.02
+    yield from window.key("ESC")
+    assert np.array_equal(shape(), before)
+    yield from window.key("S")
+    yield from window.type("1.4")
+    yield from window.confirm()
+    assert abs(obj.planar.pins[1].scale - 1.4) < 1e-6
+    assert np.allclose(place(1), RIGHT, atol=0.1), place(1)
+    window.picture("scaled")
+    yield from window.undo()
+    assert np.array_equal(shape(), before)
 
 
 def test_s_with_an_axis_spreads_along_it(window: Window) -> Iterator[None]:

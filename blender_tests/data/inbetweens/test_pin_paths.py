@@ -200,6 +200,18 @@ def test_what_makes_paths_stale():
     assert len(obj.planar.pins[HAND].paths) == 0
 
 
+def test_a_new_pose_has_no_path_of_an_earlier_one_of_its_name():
+    obj = reaching()
+    pull(obj, 25, (0.2, 0.1))
+    name = obj.planar.poses[1].name
+    give_path(obj, "ARC", pose=1)
+    obj.planar.poses[1].name = "Gone"
+    obj.planar.pins[HAND].paths[0].pose = name  # as what goes away unseen leaves it
+    pull(obj, 37, (0.1, 0.1))
+    assert name in [pose.name for pose in obj.planar.poses]
+    assert len(obj.planar.pins[HAND].paths) == 0
+
+
 def test_a_breakdown_and_smooth_go_on_the_path_and_overshoot_leaves_it():
     obj = reaching()
     pull(obj, 25, (0.6, -0.2))

@@ -107,6 +107,26 @@ def test_several_pins_of_a_lattice_stand_each():
             assert np.linalg.norm(place_of(back, [vertex]) - place) < gap + 2e-4 * size
 
 
+def test_a_pin_of_a_lattice_goes_on_its_path():
+    _, back, front = layered()
+    pin_at(back, 0)
+    pin_at(front, 20)
+    ends = []
+    for frame, offset in ((1, (0.0, 0.0)), (13, (-0.5, 0.9))):
+        go_to(frame)
+        bpy.ops.planar.drag_pins(offset=offset)
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+        ends.append(place_of(front, [20]))
+    assert bpy.ops.planar.add_pin_path(pin=1, pose=0) == {"FINISHED"}
+    bpy.context.object.planar.pins[1].paths[0].ease = "EASE_IN"
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    size = np.linalg.norm(np.ptp(world(back, evaluated(back)), axis=0))
+    for frame in range(2, 13):
+        go_to(frame)
+        wanted = ends[0] + ((frame - 1) / 12) ** 2 * (ends[1] - ends[0])
+        assert np.linalg.norm(place_of(front, [20]) - wanted) < 1e-3 * size
+
+
 def test_a_point_of_the_lattice_that_is_pinned_stands_too():
     cage, back, _ = layered()
     assert bpy.ops.planar.add_pin(lattice_point=31) == {"FINISHED"}

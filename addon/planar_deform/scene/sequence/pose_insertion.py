@@ -12,6 +12,7 @@ import numpy as np
 from ...model.plane.frame import Array, Array32, Mask
 from ...model.timing.ease import LINEAR
 from ...model.timing.played_curve import SAME_EVAL_TIME, SAME_FRAME
+from ..storage import pin_paths
 from ..storage.shape_keys import POSE_KEY
 from . import pose_curve
 from .key_ease import of_new_keys
@@ -59,6 +60,8 @@ def insert(
     def then(obj: bpy.types.Object, old: Array, eval_times: Array) -> None:
         pose_curve.remove_keys(obj.data.shape_keys, removed)
         follow(obj, old, eval_times)
+        for block in new.values():
+            pin_paths.forget_pose(obj, block.name)  # those of an earlier pose of that name
         if keyed_at:
             pose_curve.key(obj, keyed_at, LINEAR if throughout else of_new_keys(obj))
 
