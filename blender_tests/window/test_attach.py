@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
-from cutouts import activate, ready, selected, shape, sheet
+from cutouts import activate, selected, shape, sheet
 from harness import Window
 
 JOINT, LEFT = (0.12, 0.0, 0.0), (-1.5, 0.0, 0.0)
@@ -22,6 +22,14 @@ def two_parts() -> bpy.types.Object:
     return left
 
 
+def seen(window: Window) -> Iterator[None]:
+    """They are active, and seen by the Pose tool, in an undo step of their own."""
+    activate(two_parts())
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.look("FRONT")
+    yield from window.use_tool()
+
+
 def ring(window: Window, where: tuple[int, int]) -> float:
     """How much the colours about a place vary: a ring has a rim."""
     colours = np.array(list(window.colours(where)), float)
@@ -33,10 +41,7 @@ def kinds() -> list[str]:
 
 
 def test_joints_are_added_seen_selected_and_removed(window: Window) -> Iterator[None]:
-    yield from ready(window)
-    bpy.data.objects.remove(bpy.context.object)
-    activate(two_parts())
-    yield from window.wait(0.3)
+    yield from seen(window)
     bare = ring(window, window.pixel(JOINT))
     yield from window.click(window.pixel(JOINT), shift=True, ctrl=True)
     assert kinds() == ["HINGE"]
@@ -59,10 +64,7 @@ def test_joints_are_added_seen_selected_and_removed(window: Window) -> Iterator[
 
 
 def test_a_pin_takes_what_hangs_on_its_part_along(window: Window) -> Iterator[None]:
-    yield from ready(window)
-    bpy.data.objects.remove(bpy.context.object)
-    obj = two_parts()
-    activate(obj)
+    yield from seen(window)
     bpy.ops.planar.attach()
     bpy.ops.planar.add_pin(location=LEFT)
     bpy.ops.ed.undo_push(message="Attached")

@@ -24,6 +24,7 @@ from ..model.plane.axes import plane_axes
 from ..model.plane.frame import PlaneFrame
 from ..model.posing.posing import Posing, Sample, Solved, carried_path
 from ..model.posing.spreading import ScalingSpread, Spreading, carried_growth
+from ..scene.pins.pin_list import is_joint
 from ..scene.view.mouse import refuse_hidden, towards
 from .modal import reports, running
 from .modal.object_posing import ObjectPosing
@@ -247,7 +248,9 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
         """Names the pin under the mouse."""
         pins = context.object.planar.pins if context.object is not None else ()
         if 0 <= properties.pin < len(pins):
-            return f"{pins[properties.pin].name}: drag to move it; Shift to select several pins"
+            pin = pins[properties.pin]
+            use = "click to select it" if is_joint(pin) else "drag to move it"
+            return f"{pin.name}: {use}; Shift to select several pins"
         return cls.bl_description
 
     mode = "MOVE"

@@ -165,3 +165,49 @@ def test_in_betweens_are_stale_once_joints_change():
     bpy.ops.planar.select_pins(action="NONE")
     assert bpy.ops.planar.detach() == {"FINISHED"}
     assert len(stretches.stale(obj)) == 1
+
+
+def test_a_dense_drawing_is_solved_itself_and_its_in_betweens_hold():
+    obj = pinned(cell=0.05)
+    obj.planar.coarse_above = 4000
+    assert len(obj.data.vertices) > 4000
+    key(obj, 1)
+    go_to(13)
+    drag(obj, "Chest", (0.05, 0.0), angle=0.5)
+    assert max(gaps(obj).values()) < HELD
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    for frame in (4, 7, 11):
+        go_to(frame)
+        assert max(gaps(obj).values()) < HELD
+
+
+def test_remeshing_keeps_joints_in_their_places():
+    obj = pinned()
+    before = joint_places(obj)
+    assert bpy.ops.planar.remesh(vertices=900) == {"FINISHED"}
+    assert len(obj.data.vertices) != 1186
+    np.testing.assert_allclose(joint_places(obj), before, atol=1e-3)
+    lean(obj)
+
+
+def test_a_weight_says_which_joint_gives_way():
+    """The hand is pinned out of reach of the body: something has to give."""
+    apart = {}
+    for weight in (1.0, 1e-3):
+        obj = pinned()
+        pin_at(obj, (4.6, 3.2), "Hand", kind="PATCH", radius=0.25)
+        wrist = obj.planar.pins[
+            int(np.argmax([pin.kind == "HINGE" and far(obj, pin) for pin in obj.planar.pins]))
+        ]
+        wrist.weight = weight
+        drag(obj, "Hand", (0.3, 0.0))
+        apart[weight] = gaps(obj)[wrist.name]
+    assert apart[1e-3] > 10.0 * apart[1.0]
+
+
+def far(obj, pin):
+    """How far to the right the group of a pin is, in the drawing's lengths."""
+    index = obj.vertex_groups[pin.group].index
+    rows = [vertex.co.x for vertex in obj.data.vertices if index in {group.group for group in vertex.groups}]
+    return max(rows)
