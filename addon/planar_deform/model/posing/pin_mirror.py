@@ -12,6 +12,7 @@ from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..plane.locate import nearest_point
+from .depths import depth_of
 from .pins import Holder, Pin, rotation
 from .posing import RAMP_SAMPLES, PinResult, Posing, Sample
 from .side_names import flipped
@@ -55,6 +56,7 @@ class PinMirror(Posing):
             cutout, axis, [(self._places[a], self._places[b]) for a, b in partners.items()]
         )
         self._add_by_place(partners, NEAR * cutout.diagonal)
+        self._partners = partners
         count = sum(index < partner for index, partner in partners.items())
         self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
         self._handles: dict[int, _Handle] = {}
@@ -85,6 +87,13 @@ class PinMirror(Posing):
                 angle = holder.fitted_angle(self.positions) if handle is None else handle.angle
                 results.append(PinResult(holder.pin.key, holder.part, target, place, angle))
         return results
+
+    def asked_depths(self, depths: Array) -> dict[int, float]:
+        """What depths pins have in the mirror, by their keys, where the drawing has n depths."""
+        return {
+            self._pins[partner].pin.key: depth_of(self._pins[index], depths)
+            for index, partner in self._partners.items()
+        }
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         handle = self._handles[holder.pin.key]

@@ -15,6 +15,7 @@ from ...scene.objects import modifiers
 from ...scene.pins.pin_list import pinned_object
 from ...scene.pins.pose_holding import unheld
 from ...scene.view import coarseness, snapshot
+from ..tool.pin_menu import draw_depths
 from .tab import PlanarPanel, lines
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE"}
@@ -179,6 +180,10 @@ def _draw_pin(
     column.prop(pin, "enabled")
     if pin.lattice_point < 0:
         column.prop(pin, "weight")
+        if obj.type == "MESH" and pin.enabled:
+            row = column.row(align=True)
+            row.prop(pin, "depth")
+            draw_depths(row, front="", back="")
     column.prop(pin, "follow")
     if pin.follow is not None:
         if pin.follow.type == "ARMATURE":
