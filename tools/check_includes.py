@@ -40,6 +40,7 @@ PUBLIC_ROOM = {
     "planar/transfer.h": "inbetween",
     "planar/lattice.h": "lattice",
     "planar/flatten.h": "flatten",
+    "planar/harmonic.h": "flatten",
     "planar/cutout.h": "cutout",
 }
 

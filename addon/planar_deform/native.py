@@ -53,6 +53,7 @@ SolveError = planar_native.SolveError
 cutout = planar_native.cutout
 distortion = planar_native.distortion
 edit_sequence = planar_native.edit_sequence
+harmonic = planar_native.harmonic
 key_colour = planar_native.key_colour
 lattice_weights = planar_native.lattice_weights
 transfer_motion = planar_native.transfer_motion

@@ -12,6 +12,7 @@ void bind_build_info(pybind11::module_& m);
 void bind_cutout(pybind11::module_& m);
 void bind_distortion(pybind11::module_& m);
 void bind_flatten(pybind11::module_& m);
+void bind_harmonic(pybind11::module_& m);
 void bind_inbetween(pybind11::module_& m);
 void bind_lattice(pybind11::module_& m);
 void bind_log_spiral(pybind11::module_& m);

@@ -31,6 +31,7 @@ PYBIND11_MODULE(_core, m) {
   bind_sequence_edit(m);
   bind_lattice(m);
   bind_flatten(m);
+  bind_harmonic(m);
   bind_cutout(m);
   bind_build_info(m);
 }

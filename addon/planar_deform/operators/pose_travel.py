@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import partial
 
 import bpy
@@ -13,6 +14,7 @@ from .. import native
 from ..errors import Refusal
 from ..model.plane.frame import Array
 from ..model.posing import solving
+from ..model.posing.depths import spread
 from ..model.posing.pin_mirror import PinMirror
 from ..model.posing.pin_reset import PinReset
 from ..model.posing.pins import Holder
@@ -71,7 +73,8 @@ class PLANAR_OT_copy_pose(TravelOperator, bpy.types.Operator):
         global _clipboard
         drawing = self.begin(context)
         connectivity = shape_connectivity(drawing)
-        _clipboard = copied(connectivity, drawing.rest, drawing.positions, _named(context.object, drawing))
+        pose = copied(connectivity, drawing.rest, drawing.positions, _named(context.object, drawing))
+        _clipboard = replace(pose, depths=_depths(drawing))
 
 
 class PLANAR_OT_paste_pose(TravelOperator, bpy.types.Operator):
@@ -86,7 +89,8 @@ class PLANAR_OT_paste_pose(TravelOperator, bpy.types.Operator):
         differs = shape_connectivity(drawing).difference(_clipboard.connectivity)
         if differs is not None:
             raise Refusal(f"The copied pose is of another {obj.type.lower()}: this one has {differs}")
-        _show(self, context, drawing, *pasted(_clipboard, drawing.rest, _named(obj, drawing)))
+        pose = pasted(_clipboard, drawing.rest, _named(obj, drawing))
+        _show(self, context, drawing, *pose, depths=_clipboard.depths)
 
 
 class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
@@ -133,7 +137,9 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
             if other.target is not None:
                 target = symmetry.reflected(other.target)
                 results.append(result_of(holder, positions, target, -other.angle, other.scale))
-        _show(self, context, drawing, positions, results)
+        depths = _depths(drawing)
+        depths = None if depths is None else depths[symmetry.partners]
+        _show(self, context, drawing, positions, results, depths=depths)
 
     def _by_pins(self, context: bpy.types.Context, drawing: CutoutObject, why: str) -> None:
         solving.halt()
@@ -147,9 +153,11 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
         posing = PinMirror(cutout, drawing.positions, pins, int(self.axis == "VERTICAL"), poser)
         try:
             posing.run()
+            depths = drawing.depths
+            depths = spread(cutout, [holder for _, holder in pins], posing.asked_depths(depths), depths)
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        _show(self, context, drawing, posing.positions, posing.results())
+        _show(self, context, drawing, posing.positions, posing.results(), depths=depths)
         self.report({"INFO"}, f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
 
 
@@ -184,14 +192,23 @@ def _named(obj: bpy.types.Object, drawing: CutoutObject | LatticeObject) -> list
     return [(obj.planar.pins[pin.key].name, Holder(pin, drawing.cutout)) for pin in usable]
 
 
+def _depths(drawing: CutoutObject | LatticeObject) -> Array | None:
+    return None if isinstance(drawing, LatticeObject) else drawing.depths
+
+
 def _show(
     operator: PosingOperator,
     context: bpy.types.Context,
     drawing: PosedObject | LatticeObject,
     positions: Array,
     results: Iterable[PinResult],
+    *,
+    depths: Array | None = None,
 ) -> None:
-    drawing.write(positions)
+    if depths is not None and isinstance(drawing, CutoutObject):
+        drawing.write(positions, drawing.raised(depths))
+    else:
+        drawing.write(positions)
     if not isinstance(drawing, LatticeObject):
         pin_list.store_results(context.object, drawing, results)
     reports.inform(operator, auto_key(context))

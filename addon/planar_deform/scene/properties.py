@@ -21,6 +21,7 @@ from bpy.props import (
 )
 
 from ..errors import Refusal, try_all
+from ..model.posing.depths import DEEPEST
 from ..model.posing.pin_path import EASES as PIN_EASES
 from ..model.posing.pin_path import KINDS as PIN_PATHS
 from ..model.posing.pins import LEAST_SCALE
@@ -28,11 +29,12 @@ from ..model.timing.ease import EASES
 from .flatten import pushing
 from .motion import follow_offset, live
 from .objects.any_object import shape_refusal
-from .pins import controls
+from .pins import controls, pin_depths
 from .sequence import pose_list, pose_state
 from .sequence.pose_blocks import FIRST
 from .storage import cage, migration
 from .telling import tell
+from .view import snapshot
 
 # Blender evaluates none of these: they are read when something is done. Animated, they would only be set back
 # in every frame, and a frame of a pose would move its own key.
@@ -116,6 +118,22 @@ class PlanarPinPath(bpy.types.PropertyGroup):
     )
 
 
+def _depth_of(pin: PlanarPin) -> float:
+    obj, index = pin.id_data, _index_of(pin)
+    if obj != bpy.context.object:
+        return pin_depths.depth_shown(obj, index)
+    seen = snapshot.of_active(bpy.context)
+    return 0.0 if seen is None else seen.depths.get(index, 0.0)
+
+
+def _set_depth(pin: PlanarPin, depth: float) -> None:
+    chosen = {index for index, other in enumerate(pin.id_data.planar.pins) if other.select}
+    try:
+        pin_depths.give(pin.id_data, chosen | {_index_of(pin)}, depth)
+    except Refusal as refusal:
+        tell(str(refusal), title="Depth Not Changed")
+
+
 class PlanarPin(bpy.types.PropertyGroup):
     """A pin: a vertex group and how it holds the drawing, or a point of the lattice that it poses."""
 
@@ -193,6 +211,22 @@ class PlanarPin(bpy.types.PropertyGroup):
     )
     reached_scale: FloatProperty(options={"HIDDEN"})  # to which the last posing came; 0: it is not known
     paths: CollectionProperty(type=PlanarPinPath)  # see storage/pin_paths.py
+    depth: FloatProperty(
+        name="Depth",
+        description=(
+            "How far in front of the rest of the drawing it is here, below 0 behind, where the drawing lies on "
+            "itself. Another one is given to all selected pins"
+        ),
+        min=-DEEPEST,
+        max=DEEPEST,
+        soft_min=-3.0,
+        soft_max=3.0,
+        step=100,
+        precision=2,
+        get=_depth_of,
+        set=_set_depth,
+        options=NOT_ANIMATED,
+    )
     # Object-local: where the pin was asked to be, and where the last posing left it.
     has_target: BoolProperty(options={"HIDDEN"})
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
@@ -417,6 +451,16 @@ class PlanarSettings(bpy.types.PropertyGroup):
     smooth: BoolProperty(
         name="Smooth",
         description="Pass through the poses without a change of speed or direction there",
+        options=NOT_ANIMATED,
+        update=_number,
+    )
+    depth_between: EnumProperty(
+        name="Depth",
+        description="Depths of the pins between two poses",
+        items=(
+            ("BLENDED", "Blended", "They go evenly from one pose to the next"),
+            ("HELD", "Held", "They stay those of the pose before, until the next one"),
+        ),
         options=NOT_ANIMATED,
         update=_number,
     )

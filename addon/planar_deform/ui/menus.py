@@ -7,6 +7,7 @@ import bpy
 
 from ..scene.motion.bake import FORMS
 from ..scene.motion.bake_pins import FORMS as PIN_FORMS
+from .tool.pin_menu import draw_depths
 
 
 class PlanarMenu:
@@ -61,6 +62,8 @@ class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
         column.operator("planar.set_pin_kind", text="Make Selected Pins Points").kind = "POINT"
         column.operator("planar.set_pin_kind", text="Make Selected Pins Patches").kind = "PATCH"
         column.operator("planar.set_pin_radius")
+        column.operator("planar.set_depth")
+        draw_depths(column)
         column.separator()
         column.operator("planar.disable_pins", icon="UNPINNED")
         column.operator("planar.enable_pins", icon="PINNED")

@@ -269,6 +269,10 @@ class Flattener:
     @property
     def report(self) -> Report: ...
 
+def harmonic(
+    rest: ArrayLike, triangles: ArrayLike, held: ArrayLike, values: ArrayLike
+) -> NDArray[float64]: ...
+
 @final
 class Outline:
     @property

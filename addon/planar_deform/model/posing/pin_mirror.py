@@ -12,6 +12,7 @@ from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..plane.locate import nearest_point
+from .depths import depth_of
 from .pins import Holder, Kind, Pin, rotation
 from .posing import RAMP_SAMPLES, PinResult, Posing, Sample, result_of, start_scale_of
 from .side_names import flipped
@@ -51,7 +52,8 @@ class PinMirror(Posing):
     ):
         self._pins = [holder for _, holder in pins]
         self._places = [holder.place(cutout.rest) for holder in self._pins]
-        partners, self._symmetry = paired(cutout, pins, axis)
+        self._partners, self._symmetry = paired(cutout, pins, axis)
+        partners = self._partners
         count = sum(index < partner for index, partner in partners.items())
         self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
         self._handles: dict[int, _Handle] = {}
@@ -83,6 +85,13 @@ class PinMirror(Posing):
                 scale = holder.held_scale(self.positions) if handle is None else handle.scale
                 results.append(result_of(holder, self.positions, target, angle, scale))
         return results
+
+    def asked_depths(self, depths: Array) -> dict[int, float]:
+        """What depths pins have in the mirror, by their keys, where the drawing has n depths."""
+        return {
+            self._pins[partner].pin.key: depth_of(self._pins[index], depths)
+            for index, partner in self._partners.items()
+        }
 
     def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
         handle = self._handles[holder.pin.key]

@@ -31,6 +31,7 @@ class CopiedPose:
     connectivity: Connectivity
     offsets: Array  # n x 2
     pins: dict[str, CopiedPin]  # by name: those that had a target
+    depths: Array | None = None  # n, see depths.py; a lattice has none
 
 
 def copied(

@@ -74,6 +74,7 @@ class Plan:
     # Of each transition, by the pins' keys; none at all while they are not known.
     pin_paths: list[dict[int, PinPath]] = field(default_factory=list)
     cage: int | None = None  # see storage/cage.py
+    depths_held: bool = False  # depths are those of the pose before until the next one
     # For write(): the order of the blocks, which of them is the first key, the transitions whose generated
     # shapes stay, and what there was.
     entries: list[Entry] = field(default_factory=list)
@@ -182,11 +183,14 @@ class Plan:
     def coordinates(self, transition: int, share: float, positions: Array) -> Array32:
         """The shape that shows n x 2 positions at this share of a transition; below 0 and above 1, too.
 
-        What the plane does not tell goes from one pose to the other in proportion. Raises Refusal beyond what
-        Blender can store.
+        What the plane does not tell goes from one pose to the other in proportion; depths that are held jump.
+        Raises Refusal beyond what Blender can store.
         """
         before, after = self.shapes[transition], self.shapes[transition + 1]
         blended = before * np.float32(1.0 - share) + after * np.float32(share)
+        if self.depths_held:
+            rows = self.drawing.vertex_indices
+            blended[rows, :3] = (before if share < 1.0 else after)[rows, :3]
         return self.drawing.moved(blended, positions)
 
     def _holds(self, transition: int) -> _Holds:

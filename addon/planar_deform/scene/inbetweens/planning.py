@@ -32,7 +32,7 @@ from ..objects.lattice_object import LatticeObject, space_refusal
 from ..pins import joint_list, pin_list
 from ..sequence import pose_state
 from ..sequence.pose_blocks import FIRST, HOLD, SPACING, block_at, keyed
-from ..sequence.stretches import Stamps, Stretch, entries_of, stretches
+from ..sequence.stretches import Stamps, Stretch, depths_held, entries_of, stretches
 from ..storage import changes
 from ..storage.cage import cage_of
 from ..storage.points import read_block
@@ -164,6 +164,7 @@ def _plan_of(
         path=obj.planar.anchor_path,
         smooth=obj.planar.smooth,
         cage=cage_of(obj),
+        depths_held=depths_held(obj),
     )
     if held:
         result.pin_paths = [guiding.paths(obj, result, number, name) for number, name in enumerate(names)]
@@ -223,7 +224,8 @@ def _stays(
         or after.block != before.block + 1
     ):
         return False
-    return bool(record["stamp"] == stamps.of(made_of, transition, record["turns"], plan.path, plan.smooth))
+    way = plan.path, plan.smooth, plan.depths_held
+    return bool(record["stamp"] == stamps.of(made_of, transition, record["turns"], *way))
 
 
 def _eval_times(obj: bpy.types.Object, poses: set[int]) -> set[float]:

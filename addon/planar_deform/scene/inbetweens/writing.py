@@ -135,7 +135,8 @@ def _blocks(
         count = plan.counts[transition] if 0 <= transition < len(plan.counts) else 0
         stamp = ""
         if count:
-            stamp = stamps.of(made_of, transition, plan.turns[transition], plan.path, plan.smooth)
+            way = plan.path, plan.smooth, plan.depths_held
+            stamp = stamps.of(made_of, transition, plan.turns[transition], *way)
         pose = "" if entry.copy else listed[start.stands_at].name
         made_with = made.of(lasts, transition, plan.smooth, pose) if count else ""
         start.pose |= {"edited": False, "stamp": stamp, "made_with": made_with}

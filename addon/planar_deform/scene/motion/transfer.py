@@ -15,6 +15,7 @@ from ...model.plane.frame import Array, Array32
 from ...model.work import Progress
 from ..objects.any_object import AnyObject, begin_shape, is_outline, read_shape
 from ..objects.connectivity import shape_connectivity
+from ..objects.cutout_object import CutoutObject
 from ..objects.lattice_object import space_refusal
 from ..pins import pin_list
 from ..sequence import playback, pose_curve, pose_edit, pose_showing, pose_state, stretches
@@ -25,7 +26,12 @@ from ..storage.vertex_groups import members
 
 CHUNK = 64  # frames between two looks at whether anybody still waits
 Setting = str | bool
-SETTINGS = ("anchor_path", "smooth", "curve_before")  # of the object, which tell how its in-betweens are made
+SETTINGS = (
+    "anchor_path",
+    "smooth",
+    "depth_between",
+    "curve_before",
+)  # of the object, which tell how its in-betweens are made
 
 
 def transfer_refusal(context: bpy.types.Context) -> str | None:
@@ -82,7 +88,10 @@ class Transfer:
                     raise native.Cancelled
                 chunk = [source.rest, *frames[start : start + CHUNK]]
                 moved = native.transfer_motion(chunk, receiver.rest * side, **source.elements)
-                shapes += [receiver.coordinates(positions * side) for positions in moved[1:]]
+                shapes += [
+                    receiver.coordinates(positions * side, _raised(source, receiver, self._shapes[number]))
+                    for number, positions in enumerate(moved[1:], start)
+                ]
             result.append(shapes)
         return result
 
@@ -130,6 +139,13 @@ class Transfer:
         obj.planar.active_pose = source.planar.active_pose
         for name in SETTINGS:
             setattr(obj.planar, name, getattr(source.planar, name))
+
+
+def _raised(source: AnyObject, receiver: AnyObject, shape: Array32) -> Array | None:
+    """What gives a receiver the depths of a shape of the source; lines and lattices have none."""
+    if isinstance(source, CutoutObject) and isinstance(receiver, CutoutObject):
+        return receiver.raised(source.depths_of(shape))
+    return None
 
 
 def _pin_alike(source: bpy.types.Object, obj: bpy.types.Object) -> None:

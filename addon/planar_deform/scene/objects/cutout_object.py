@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
 import numpy as np
@@ -17,18 +18,30 @@ from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapp
 from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, fitted
 from ...model.posing import solver_cache
+from ...model.posing.depths import DEEPEST, DEPTH
 from ...model.posing.joints import Ties
 from ...model.posing.pins import Holder
 from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness
 from .cutout_reading import CutoutReading, RestOnFaces, read
-from .flat_object import FlatObject, data_refusal, is_flat, linear_of, make_current, origin_of
+from .flat_object import (
+    FLATNESS,
+    FlatObject,
+    data_refusal,
+    linear_of,
+    make_current,
+    origin_of,
+    unevenness,
+)
 from .pose_store import OwnStore
 
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
 MOST_SIDES = 10_000  # triangles that tell, spread over a dense drawing, whether it has been turned over
+# Of the diagonal. What is as near to the plane of its rest as rounding has no depths, and its own plane.
+EVEN = 1e-5
+UNEVEN = 0.05  # beyond this no depths explain it
 CAPACITY = 8  # objects; what is kept of one of 100k vertices takes some 30 MB
 
 
@@ -137,13 +150,15 @@ class CutoutObject(FlatObject):
         shown = self._take_points(obj, faces.vertices, parts)
         stays = before is not None and self._shows_as(before)
         if before is not None and stays:
-            self.frame, self.positions, self._depths = before.frame, before.positions, before._depths
+            self.frame, self.positions, self._heights = before.frame, before.positions, before._heights
         else:
-            world = mapped(shown, self._linear)
-            self._take_frame(_flat_frame(shown, world, triangles, parts, self._linear, "Its faces do"), world)
+            stays, world = False, mapped(shown, self._linear)
+            plane = _plane(shown, world, triangles, parts, self._linear, "Its faces do", UNEVEN)
         rest, known = self._known_rest(shown)
         self.known = known.copy()
         self._rest = self._flat_rest(rest, known, shown, before)
+        if not stays:
+            self._take_frame(self._frame_shown(plane, world), world)
         # Rest and pose are seen from the same side, however the mesh has been turned over in between.
         if before is not None and stays and self._rest is before._rest:
             self._turned_over = before._turned_over
@@ -184,6 +199,19 @@ class CutoutObject(FlatObject):
     def diagonal(self) -> float:
         """Of the rest shape's bounding box."""
         return self.cutout.diagonal
+
+    @cached_property
+    def depths(self) -> Array:
+        """How far each point (n,) is in front of its place at rest; below 0: behind it."""
+        return self._depths_of(self._store.shown)
+
+    def depths_of(self, shape: Array32) -> Array:
+        """The same of any shape of the object, see storage/points.py."""
+        return self._depths_of(shape.astype(np.float64))
+
+    def raised(self, depths: Array) -> Array:
+        """How far to raise the points from where they are, in write() and coordinates(), to n depths."""
+        return (depths - self.depths) * self._depth_unit
 
     @property
     def distortion(self) -> native.Distortion:
@@ -230,7 +258,7 @@ class CutoutObject(FlatObject):
         slope = float(direction @ self.frame.n)
         if abs(slope) < EDGE_ON * float(np.linalg.norm(direction)):
             return None
-        distance = (self._depths[part] - float((origin - self._origin) @ self.frame.n)) / slope
+        distance = (self._heights[part] - float((origin - self._origin) @ self.frame.n)) / slope
         if distance < 0.0:
             return None
         place: Array = self.from_world((origin + distance * direction)[None, :])[0]
@@ -240,7 +268,7 @@ class CutoutObject(FlatObject):
         """The point of the shown mesh that a world ray meets first; None where it misses or is edge-on."""
         slope = float(direction @ self.frame.n)
         part_of = self.cutout.parts[self.cutout.triangles[:, 0]]
-        for part in np.argsort((self._depths - float((origin - self._origin) @ self.frame.n)) * slope):
+        for part in np.argsort((self._heights - float((origin - self._origin) @ self.frame.n)) * slope):
             place = self._part_from_ray(origin, direction, int(part))
             if place is None:
                 continue
@@ -256,7 +284,7 @@ class CutoutObject(FlatObject):
         Of several parts that are that near, the one whose depth is nearest to the position's.
         """
         flat = self.from_world(place[None, :])[0]
-        depths = np.abs(self._depths - float((place - self._origin) @ self.frame.n))
+        depths = np.abs(self._heights - float((place - self._origin) @ self.frame.n))
         part_of = self.cutout.parts[self.cutout.triangles[:, 0]]
         for part in np.argsort(depths):
             among = np.flatnonzero(part_of == part).astype(np.int32)
@@ -307,6 +335,50 @@ class CutoutObject(FlatObject):
         super()._put(shape)
         if self._in_mesh:  # so that what is posed is not taken for an edit of the mesh
             rest_shape.see(self.resolve().data, shape)
+
+    # -- depth
+
+    @cached_property
+    def _depth_unit(self) -> float:
+        """How far along the normal a depth of 1 raises a point: towards the side that shows the faces' fronts.
+
+        An object that is mirrored shows them on the other side of its frame.
+        """
+        front = np.sign(self._rest.areas.sum()) * np.sign(np.linalg.det(self._linear))
+        return float((front or 1.0) * DEPTH * diagonal_of(self._rest.flat[self.known]))
+
+    def _depths_of(self, shape: Array) -> Array:
+        heights = self.frame.depth(mapped(shape[self._used, :3], self._linear))
+        return self._above_rest(heights) / self._depth_unit
+
+    def _above_rest(self, heights: Array) -> Array:
+        """How far heights (n,) along the normal are above those at rest.
+
+        A part that has been moved farther than depths reach, by hand, lies in another plane now.
+        """
+        rest = self._rest.frame.depth(self._rest.world)
+        if not self.known.all():
+            counts = np.bincount(self.parts, weights=self.known)
+            sums = np.bincount(self.parts, weights=np.where(self.known, rest, 0.0))
+            rest = np.where(self.known, rest, (sums / np.maximum(counts, 1.0))[self.parts])
+        above = heights - rest
+        means = part_means(above, self.parts)
+        away = np.abs(means) > 1.5 * DEEPEST * abs(self._depth_unit)
+        return above - np.where(away, means, 0.0)[self.parts]
+
+    def _frame_shown(self, plane: PlaneFrame, world: Array) -> PlaneFrame:
+        """The frame of n x 3 points in world-linear space that this plane fits best: without their depths.
+
+        Those would tilt it, so it is that of the rest shape where depths alone tell the two apart. Raises
+        Refusal where the points lie in no parallel planes otherwise.
+        """
+        size = diagonal_of(world)
+        above = np.abs(self._above_rest(self._rest.frame.depth(world))).max()
+        if EVEN * size < above <= 1.01 * DEEPEST * abs(self._depth_unit):
+            return self._rest.frame
+        if unevenness(plane, world, self.parts) > FLATNESS * size:
+            raise Refusal(_not_flat("Its faces do"))
+        return plane
 
     # -- rest
 
@@ -402,12 +474,29 @@ def _flat_frame(
     if known is not None and not known.all():
         triangles = (np.cumsum(known) - 1)[triangles[known[triangles].all(axis=1)]]
         points, world, parts = points[known], world[known], parts[known]
+    return _plane(points, world, triangles, parts, linear, subject, FLATNESS)
+
+
+def _plane(
+    points: Array,
+    world: Array,
+    triangles: Indices,
+    parts: Indices,
+    linear: Array,
+    subject: str,
+    flatness: float,
+) -> PlaneFrame:
+    """The same of all the points, which may leave their planes by a share of the diagonal. Raises Refusal."""
     frame = plane_frame(points, parts, triangles, linear)
     if frame is None:
         raise Refusal(f"{subject} not cover any area: give the drawing some, or use Set as Rest")
-    if not is_flat(frame, world, parts):
-        raise Refusal(
-            f"{subject} not lie in parallel planes: flatten the mesh (scale it to 0 along its normal), "
-            "then use Set as Rest"
-        )
+    if unevenness(frame, world, parts) > flatness * diagonal_of(world):
+        raise Refusal(_not_flat(subject))
     return frame
+
+
+def _not_flat(subject: str) -> str:
+    return (
+        f"{subject} not lie in parallel planes: flatten the mesh (scale it to 0 along its normal), "
+        "then use Set as Rest"
+    )

@@ -98,7 +98,7 @@ class FlatObject:
     def _take_frame(self, frame: PlaneFrame, world: Array) -> None:
         """Lie in this frame with the points at n x 3 positions in world-linear space."""
         self.frame, self.positions = frame, frame.flatten(world)
-        self._depths = part_means(frame.depth(world), self.parts)
+        self._heights = part_means(frame.depth(world), self.parts)
 
     # -- reading
 
@@ -114,7 +114,7 @@ class FlatObject:
 
     def to_world(self, places: Array, parts: Indices | None = None) -> Array:
         """World positions k x 3 of k x 2 points of the plane, as deep as their parts (k,), else the first."""
-        depths = self._depths[np.zeros(len(places), np.int32) if parts is None else parts]
+        depths = self._heights[np.zeros(len(places), np.int32) if parts is None else parts]
         return self.frame.lift(places) + np.outer(depths, self.frame.n) + self._origin
 
     def to_local(self, places: Array, parts: Indices | None = None) -> Array:
@@ -148,13 +148,13 @@ class FlatObject:
             )
         return self.from_local(places)
 
-    def coordinates(self, positions: Array) -> Array32:
+    def coordinates(self, positions: Array, raised: Array | None = None) -> Array32:
         """The shape, see storage/points.py, in which the object shows n x 2 positions.
 
-        Raises Refusal beyond what Blender can store.
+        `raised`: how far (n,) along the normal beyond where it is. Raises Refusal beyond what Blender can store.
         """
         shown = self._store.shown.astype(np.float32)
-        return self._placed(shown, self.positions, positions, np.ones_like(self._share))
+        return self._placed(shown, self.positions, positions, np.ones_like(self._share), raised)
 
     def moved(self, shape: Array32, positions: Array) -> Array32:
         """Any shape of the object with its points of the plane taken to n x 2 positions.
@@ -166,13 +166,13 @@ class FlatObject:
 
     # -- writing
 
-    def write(self, positions: Array) -> None:
+    def write(self, positions: Array, raised: Array | None = None) -> None:
         """Show n x 2 positions: in the object itself, through the posed shape key, or in the pose sequence.
 
         A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
-        Raises Refusal, with nothing changed, beyond what Blender can store.
+        `raised`: as in coordinates(). Raises Refusal, with nothing changed, beyond what Blender can store.
         """
-        self._put(self._placed(self._store.begin, self.positions, positions, self._share))
+        self._put(self._placed(self._store.begin, self.positions, positions, self._share, raised))
 
     def show(self, shape: Array32) -> None:
         """Show a shape, see storage/points.py, of an object with a pose sequence."""
@@ -195,10 +195,15 @@ class FlatObject:
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
         return obj
 
-    def _placed(self, begin: Array32, start: Array, positions: Array, share: Array) -> Array32:
+    def _placed(
+        self, begin: Array32, start: Array, positions: Array, share: Array, raised: Array | None = None
+    ) -> Array32:
         offsets = positions - start
         moved = (offsets[:, 0] != 0.0) | (offsets[:, 1] != 0.0)
         lift = np.stack([self.frame.u, self.frame.v], axis=1)
+        if raised is not None:
+            offsets, moved = np.column_stack([offsets, raised]), moved | (raised != 0.0)
+            lift = np.column_stack([lift, self.frame.n])
         shape, old = begin.copy(), begin[self._used, :3]
         with np.errstate(over="ignore"):  # float64 until it is stored
             placed = (old + mapped(offsets, self._inverse @ lift) / share).astype(np.float32)
@@ -225,6 +230,10 @@ def origin_of(obj: bpy.types.Object) -> Array:
 
 def is_flat(frame: PlaneFrame, world: Array, parts: Indices) -> bool:
     """Whether each part of n x 3 points in world-linear space lies across the normal."""
+    return unevenness(frame, world, parts) <= FLATNESS * diagonal_of(world)
+
+
+def unevenness(frame: PlaneFrame, world: Array, parts: Indices) -> float:
+    """How far parts of n x 3 points in world-linear space leave their planes across the normal."""
     depths = frame.depth(world)
-    off = np.abs(depths - part_means(depths, parts)[parts])
-    return bool(off.max() <= FLATNESS * diagonal_of(world))
+    return float(np.abs(depths - part_means(depths, parts)[parts]).max())

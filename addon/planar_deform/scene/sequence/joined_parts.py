@@ -25,7 +25,7 @@ from .playback import Record, whole
 from .pose_blocks import FIRST, HOLD, SCRATCH, eval_times, keyed, played_value, share_of, shown_curve
 
 # What of the object's settings belongs to its poses.
-SETTINGS = ("curve_before", "anchor_path", "smooth", "active_pose", "key_before")
+SETTINGS = ("curve_before", "anchor_path", "smooth", "depth_between", "active_pose", "key_before")
 
 _NUMBERS = {"BOOLEAN", "INT", "FLOAT", "ENUM"}  # what is set of modifiers of curves
 _OF_PANELS = {"active", "show_expanded"}

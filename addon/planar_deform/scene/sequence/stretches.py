@@ -69,17 +69,32 @@ class Stamps:
         original = self.original(pose)
         return self.digest((pose if original is None else original).at)
 
-    def of(self, digests: Sequence[str], transition: int, turns: int, path: str, smooth: bool) -> str:
+    def of(
+        self,
+        digests: Sequence[str],
+        transition: int,
+        turns: int,
+        path: str,
+        smooth: bool,
+        depths_held: bool,
+    ) -> str:
         """The stamp of what is generated behind one of the poses with these digests, in order of time."""
         chain = list(digests[transition : transition + 2])
         if smooth:  # then the neighbours' poses count as well
             chain += digests[max(0, transition - 1) : transition]
             chain += ["", *digests[transition + 2 : transition + 3]]
-        made_from = (*chain, self.digest(0.0), str(turns), path, str(smooth))
+        made_from = [*chain, self.digest(0.0), str(turns), path, str(smooth)]
+        if depths_held:  # otherwise as it was before there were depths
+            made_from.append("HELD")
         return digest("|".join(made_from).encode())
 
     def _bits(self, eval_time: float) -> bytes:
         return bits(self._obj, block_at(self._obj.data.shape_keys, eval_time))
+
+
+def depths_held(obj: bpy.types.Object) -> bool:
+    """Whether in-betweens have the depths of the pose before: of points of a drawing, which alone have some."""
+    return bool(obj.type == "MESH" and obj.planar.depth_between == "HELD")
 
 
 def has_inbetweens(obj: bpy.types.Object) -> bool:
@@ -127,7 +142,7 @@ class _Played:
     """The keyed poses in the order in which the curve plays them."""
 
     def __init__(self, obj: bpy.types.Object):
-        self._way = obj.planar.anchor_path, obj.planar.smooth
+        self._way = obj.planar.anchor_path, obj.planar.smooth, depths_held(obj)
         self._present = whole(eval_times(obj.data.shape_keys))
         present = set(self._present.tolist())
         self._stamps = Stamps(obj)

@@ -21,6 +21,7 @@ import numpy as np
 from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array, Indices
+from ...model.posing.depths import depth_of
 from ...model.posing.pins import Holder
 from ...model.posing.posing import PinResult
 from ..lattice.posed import PosedObject, posing_refusal, read_posed
@@ -54,6 +55,7 @@ class Snapshot:
     pins: tuple[PinPlace, ...] = ()
     edges: Indices = field(default_factory=lambda: NO_EDGES)  # of the mesh
     shape: tuple[PosedObject, Array] | None = None  # what is posed and its positions
+    holders: tuple[Holder, ...] = ()  # the pins; of a cutout that no drag moves
     refusal: str | None = None  # why the object cannot be posed, and what to do; then there is nothing else
 
     def pin(self, key: int) -> PinPlace | None:
@@ -67,6 +69,13 @@ class Snapshot:
             return np.empty((0, 3))
         drawing, positions = self.shape
         return drawing.to_world(positions, drawing.cutout.parts)
+
+    @cached_property
+    def depths(self) -> dict[int, float]:
+        """The depths of the pins by their indices; those of a cutout have some."""
+        if self.shape is None or not isinstance(self.shape[0], CutoutObject):
+            return {}
+        return {holder.pin.key: depth_of(holder, self.shape[0].depths) for holder in self.holders}
 
     @property
     def triangles(self) -> Indices:
@@ -163,7 +172,8 @@ def follow(drawing: PosedObject, positions: Array, results: Iterable[PinResult])
     else:
         edges = NO_EDGES if shown is None else shown.edges
     _followed.add(uid)
-    snapshot = Snapshot(_places(drawing, results), edges, (drawing, positions))
+    holders = () if kept is None else kept.snapshot.holders
+    snapshot = Snapshot(_places(drawing, results), edges, (drawing, positions), holders)
     _keep(uid, _Kept(drawing.object_name, snapshot, None, None if kept is None else kept.made))
 
 
@@ -234,7 +244,8 @@ def _read(obj: bpy.types.Object, state: _State, before: _Kept | None) -> _Kept:
     if not state.show_mesh or edges is None:
         edges = _edges(obj, drawing)
     results = [*_results(drawing, holders), *joint_list.carried(joints, drawing, drawing.positions)]
-    snapshot = Snapshot(_places(drawing, results), edges, (drawing, drawing.positions))
+    shape = drawing, drawing.positions
+    snapshot = Snapshot(_places(drawing, results), edges, shape, tuple(holders))
     made = _Made(drawing, holders, edges if state.show_mesh else None)
     return _Kept(obj.name, snapshot, state, made)
 

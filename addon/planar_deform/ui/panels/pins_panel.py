@@ -16,6 +16,7 @@ from ...scene.objects import modifiers
 from ...scene.pins.pin_list import is_joint, pinned_object
 from ...scene.pins.pose_holding import unheld
 from ...scene.view import coarseness, snapshot
+from ..tool.pin_menu import draw_depths
 from .tab import PlanarPanel, lines
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE", "HINGE": "MESH_CIRCLE", "WELD": "SNAP_FACE"}
@@ -194,6 +195,10 @@ def _draw_pin(
     column.prop(pin, "enabled")
     if pin.lattice_point < 0:
         column.prop(pin, "weight")
+        if obj.type == "MESH" and pin.enabled and not is_joint(pin):
+            row = column.row(align=True)
+            row.prop(pin, "depth")
+            draw_depths(row, front="", back="")
     fault = _fault(context, pin, index)
     if fault is not None:
         lines(column, fault, "ERROR", context)

@@ -142,6 +142,8 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
         column.prop(settings, "ease")
         column.row().prop(settings, "anchor_path", expand=True)
         column.prop(settings, "smooth")
+        if context.object.type == "MESH" and settings.pins:
+            column.row().prop(settings, "depth_between", expand=True)
         if settings.active_pose < len(settings.poses) - 1:
             pose = settings.poses[settings.active_pose]
             column.prop(pose, "turns")

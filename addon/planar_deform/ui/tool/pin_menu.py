@@ -22,6 +22,8 @@ class PLANAR_MT_pin_context(bpy.types.Menu):
         layout.operator("planar.set_pin_kind", text="Make Patches", icon="MESH_PLANE").kind = "PATCH"
         layout.operator("planar.set_pin_radius")
         layout.separator()
+        draw_depths(layout)
+        layout.separator()
         layout.operator("planar.disable_pins", icon="UNPINNED")
         layout.operator("planar.enable_pins", icon="PINNED")
         layout.separator()
@@ -30,6 +32,15 @@ class PLANAR_MT_pin_context(bpy.types.Menu):
         layout.operator("planar.box_select_pins")
         layout.separator()
         layout.operator("planar.remove_pins", icon="X")
+
+
+def draw_depths(
+    layout: bpy.types.UILayout, *, front: str = "Bring Forward", back: str = "Send Backward"
+) -> None:
+    """The buttons that take the selected pins one depth forward and backward."""
+    for depth, text, icon in ((1.0, front, "TRIA_UP"), (-1.0, back, "TRIA_DOWN")):
+        nearer = layout.operator("planar.set_depth", text=text, icon=icon)
+        nearer.depth, nearer.relative = depth, True
 
 
 class PLANAR_MT_drawing_context(bpy.types.Menu):
