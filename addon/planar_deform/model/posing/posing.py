@@ -24,8 +24,8 @@ RAMP_SAMPLES = 12
 
 # Refinements in a row that settling takes at most. A pose converges in far fewer, or never.
 MOST_REFINEMENTS = 100
-# Of those the ones on a dense drawing itself, where each takes longer than a move. Poses take 2 to 15, but for
-# some in which it lies folded over.
+# Of those the ones on a dense drawing itself, where each takes longer than a move. Poses take 2 to 15, but
+# for some in which it lies folded over.
 MOST_SLOW = 20
 
 

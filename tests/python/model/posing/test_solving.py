@@ -272,10 +272,12 @@ def test_a_dense_drawing_is_solved_itself_only_when_no_more_samples_will_come():
     task = Solving(posing)
     task.ask((0.0, 8.0, 0.0))
     resting = at_rest(task)
-    assert resting.report.coarse_settled and not resting.report.converged
+    assert resting.report.coarse_settled
+    assert not resting.report.converged
     task.ask((0.0, 9.0, 0.0))  # the drag goes on
     resting = at_rest(task)
-    assert resting.report.coarse_settled and not resting.report.converged
+    assert resting.report.coarse_settled
+    assert not resting.report.converged
     task.hurry()
     last = at_rest(task)
     assert last.report.converged
