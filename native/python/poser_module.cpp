@@ -14,6 +14,7 @@
 #include "choices.h"
 #include "guarded.h"
 #include "planar/poser.h"
+#include "progress.h"
 
 namespace py = pybind11;
 
@@ -35,7 +36,8 @@ struct SharedPoser {
 using PoserRef = std::shared_ptr<SharedPoser>;
 
 PoserRef make_poser(py::handle rest, py::handle triangles, const std::string& method,
-                    std::optional<double> pin_weight, py::handle stiffness, std::optional<int> cage) {
+                    std::optional<double> pin_weight, py::handle stiffness, std::optional<int> cage,
+                    py::handle progress) {
   Points x = to_points("rest", rest);
   Triangles t = to_triangles(triangles);
   PoserOptions options;
@@ -45,6 +47,7 @@ PoserRef make_poser(py::handle rest, py::handle triangles, const std::string& me
   options.pin_weight = pin_weight;
   options.stiffness = to_numbers("stiffness", stiffness, t.rows());
   options.cage = cage;
+  options.progress = to_progress(progress);
   const Eigen::Index n_vertices = x.rows();
   const py::gil_scoped_release unlocked;
   Poser poser(std::move(x), t, options);
@@ -83,7 +86,8 @@ std::string report_text(const Report& report) {
   std::ostringstream text;
   text << "Report(iterations=" << report.iterations << ", substeps=" << report.substeps
        << ", furthest_handle=" << report.furthest_handle << ", flipped=" << report.flipped
-       << ", converged=" << (report.converged ? "True" : "False") << ")";
+       << ", converged=" << (report.converged ? "True" : "False")
+       << ", coarse_settled=" << (report.coarse_settled ? "True" : "False") << ")";
   return text.str();
 }
 
@@ -109,11 +113,15 @@ void bind_poser(py::module_& m) {
               "Whether nothing is left to do: with hold a full Newton step is below 1e-5 of the "
               "rest's diameter, with akvf furthest_handle is at most 1e-3 of it; with arap always, but for a "
               "settle that ended before its iterations did.")
+          .def_readonly("coarse_settled", &Report::coarse_settled,
+                        "With a cage and hold: nothing is left to do on the coarse mesh. Unless converged, "
+                        "refine goes on with the mesh itself, which takes longer.")
           .def("__repr__", &report_text);
   report_class.attr("__module__") = "planar_native";
 
   auto poser_class = py::class_<SharedPoser, PoserRef>(
-      m, "Poser", R"(Poser(rest, triangles, *, method="hold", pin_weight=None, stiffness=None, cage=None)
+      m, "Poser",
+      R"(Poser(rest, triangles, *, method="hold", pin_weight=None, stiffness=None, cage=None, progress=None)
 
 Poses a mesh by moving handles. The object keeps the posed shape from one move to the next.
 
@@ -128,7 +136,9 @@ with a rotation a triangle; triangles may turn over. pin_weight has no unit (Non
 with akvf it is the lambda squared of [AKVF 7]. stiffness is a positive factor per triangle, m.
 
 cage, 12 at least, is about how many vertices a coarse mesh has that is solved on in place of a larger one, which is carried
-along; handles, positions and report are those of the mesh itself. None solves on the mesh.
+along; handles, positions and report are those of the mesh itself. None solves on the mesh. With hold and up to 250000 vertices,
+refine and settle end with steps on the mesh itself. progress(share) is called while the coarse mesh is made; it answers True,
+False or None, and False raises Cancelled.
 
     poser = Poser(rest, triangles)
     poser.set_handles([0, 12])
@@ -142,7 +152,7 @@ Raises ValueError (shape, dtype, not finite, index out of range, unknown method)
   poser_class
       .def(py::init(&make_poser), py::arg("rest"), py::arg("triangles"), py::kw_only(),
            py::arg("method") = "hold", py::arg("pin_weight") = py::none(), py::arg("stiffness") = py::none(),
-           py::arg("cage") = py::none())
+           py::arg("cage") = py::none(), py::arg("progress") = py::none())
       .def("set_handles", &py_set_handles, py::arg("handles"), py::kw_only(), py::arg("weights") = py::none(),
            py::arg("groups") = py::none(), R"(set_handles(handles, *, weights=None, groups=None)
 
@@ -165,19 +175,28 @@ A bounded number of steps towards targets, k x 2, from the present shape; for ea
 n x 2. Raises ValueError and SolveError; the shape is then the one before the call.)")
       .def(
           "refine",
-          [](const PoserRef& poser) { return poser->poser.with([](Poser& p) { return p.refine(); }); },
-          R"(refine()
+          [](const PoserRef& poser, py::handle progress) {
+            const std::function<bool(double)> asked = to_progress(progress);
+            return poser->poser.with([&asked](Poser& p) { return p.refine(asked); });
+          },
+          py::kw_only(), py::arg("progress") = py::none(), R"(refine(*, progress=None)
 
 One more bounded piece of work towards the last targets, about as much as a move, in which no vertex moves by more than 2 % of
 the rest's diameter; for the frames after the mouse has come to rest, until report.converged. Without targets it does
-nothing. Returns the new positions, n x 2. Raises SolveError; the shape is then the one before the call.)")
+nothing. Where a mesh with a cage is solved itself, progress(share) is called all the time; it answers True, False or None, and
+False raises Cancelled. Returns the new positions, n x 2. Raises SolveError and Cancelled; the shape is then the one before the
+call.)")
       .def(
           "settle",
-          [](const PoserRef& poser) { return poser->poser.with([](Poser& p) { return p.settle(); }); },
-          R"(settle()
+          [](const PoserRef& poser, py::handle progress) {
+            const std::function<bool(double)> asked = to_progress(progress);
+            return poser->poser.with([&asked](Poser& p) { return p.settle(asked); });
+          },
+          py::kw_only(), py::arg("progress") = py::none(), R"(settle(*, progress=None)
 
 All that is left to do towards the last targets, within a fixed number of steps; without refine's limit on motion. Without
-targets it does nothing. Returns the new positions, n x 2. Raises SolveError; the shape is then the one before the call.)")
+targets it does nothing. progress is that of refine. Returns the new positions, n x 2. Raises SolveError and Cancelled; the
+shape is then the one before the call.)")
       .def("reset", &py_reset, py::arg("positions") = py::none(), R"(reset(positions=None)
 
 Takes positions, n x 2, as the present shape; None takes the rest shape. Handles stay, targets are forgotten. Raises ValueError.)")

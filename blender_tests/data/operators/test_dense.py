@@ -284,6 +284,18 @@ def test_the_cage_poses_as_the_drawing_itself(dense):
     assert np.linalg.norm(whole - rest, axis=1).mean() > 2e-2 * diagonal
 
 
+def test_a_settled_pose_is_that_of_the_drawing_itself(dense):
+    posed = {}
+    for above in (5_000, 20_000):
+        bpy.ops.planar.reset_to_rest()
+        dense.planar.coarse_above = above
+        bpy.ops.planar.drag_pins(offset=(-0.6, 0.5))
+        assert bpy.ops.planar.settle_pose() == {"FINISHED"}
+        posed[above] = shape(dense)
+    diagonal = np.linalg.norm(np.ptp(posed[5_000], axis=0))
+    assert np.abs(posed[5_000] - posed[20_000]).max() < 1e-4 * diagonal
+
+
 def test_a_script_a_thread_and_a_new_solver_give_the_same_bits(dense):
     from planar_deform.model.posing import solver_cache
     from planar_deform.model.posing.solving import Solving

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -24,6 +25,9 @@ struct PoserOptions {
   /// About so many vertices, 12 at least, of a coarse mesh to solve on in place of a larger one; empty: solve
   /// on the mesh itself.
   std::optional<int> cage{};
+
+  /// Asked while a cage is made, which takes seconds for a million vertices.
+  std::function<bool(double)> progress{};
 };
 
 /// What the last move(), refine() or settle() did.
@@ -37,6 +41,10 @@ struct Report {
   /// however far the handles are; akvf: furthest_handle is at most 1e-3 of that; arap: always, but
   /// for a settle() that ended before an iteration moved no vertex by more than 1e-5 of that
   bool converged = true;
+
+  /// With a cage, hold: nothing is left to do on the coarse mesh. Unless converged, refine() goes on with the
+  /// mesh itself, which takes longer.
+  bool coarse_settled = false;
 };
 
 /// Poses a mesh by dragging handles: registered with the rest shape, compiled with the handles, moved with
@@ -134,6 +142,7 @@ class Poser {
   /// \param rest n×2 rest shape, the reference of flips and tolerances, and the first positions
   /// \param triangles m×3
   /// \throw std::invalid_argument empty, mismatched, non-finite or out-of-range input
+  /// \throw Cancelled options.progress returned false
   explicit Poser(Points rest, const Triangles& triangles, const PoserOptions& options = {});
   Poser(Poser&&) noexcept;
   Poser& operator=(Poser&&) noexcept;
@@ -181,15 +190,19 @@ class Poser {
   /// handles stop getting nearer, at most 32; arap until an iteration moves no vertex by more than 1e-5 of
   /// the rest's diameter, at most 500. Without targets: nothing.
   ///
+  /// \param progress asked where a mesh with a cage is solved itself
   /// \throw SolveError as move
-  const Points& settle();
+  /// \throw Cancelled progress returned false
+  const Points& settle(const std::function<bool(double)>& progress = {});
 
   /// One bounded piece of work towards the last targets, about as much as a move, in which no vertex moves by
   /// more than 2 % of the rest's diameter; report().converged says when nothing is left to do. arap
   /// leaves nothing to do. Without targets: nothing.
   ///
+  /// \param progress as of settle
   /// \throw SolveError as move
-  const Points& refine();
+  /// \throw Cancelled progress returned false
+  const Points& refine(const std::function<bool(double)>& progress = {});
 
   /// Back to the rest shape. Handles stay, targets are forgotten.
   void reset();

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -59,9 +60,10 @@ int Cage::row_of(int isolated_vertex) const {
   return static_cast<int>(rest.rows()) - static_cast<int>(isolated.end() - found);
 }
 
-std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& triangles, int wished) {
+std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& triangles, int wished,
+                                      const std::function<bool(double)>& progress) {
   if (rest.rows() <= wished) return {};
-  Coarse coarse = coarsened(rest, triangles, wished);
+  Coarse coarse = coarsened(rest, triangles, wished, progress);
   if (2 * coarse.points.rows() > rest.rows()) return {};
   return coarse;
 }
@@ -184,6 +186,66 @@ Points CageFit::fit(const Points& x) const {
     solver_->solve(right);
     for (int c = 0; c < static_cast<int>(result.rows()); ++c)
       result.row(c) += right.row(unknowns_.slot[at(c)]);
+  }
+  return result;
+}
+
+CageSample::CageSample(const Cage& cage, const Points& rest, const Triangles& triangles) {
+  std::vector<int> row(planar::at(rest.rows()), -1);
+  for (int c = 0; c < static_cast<int>(cage.origins.size()); ++c) {
+    const auto [source, a, b] = cage.origins[planar::at(c)];
+    if (source >= 0) row[planar::at(source)] = c;
+    const std::complex<double> from = source >= 0
+                                          ? complex_row(rest, source)
+                                          : 0.5 * (complex_row(cage.rest, a) + complex_row(cage.rest, b));
+    beside_.push_back(complex_row(cage.rest, c) - from);
+  }
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const std::array<int, 3> corner{triangles(t, 0), triangles(t, 1), triangles(t, 2)};
+    const double area = doubled_area(rest, corner.data());
+    if (area == 0.0) continue;
+    for (const int v : corner) {
+      if (row[planar::at(v)] < 0) continue;
+      fans_.push_back({row[planar::at(v)], corner,
+                       complex_row(rest, corner[1]) - complex_row(rest, corner[0]),
+                       complex_row(rest, corner[2]) - complex_row(rest, corner[0]), area});
+    }
+  }
+}
+
+Points CageSample::at(const Cage& cage, const Points& x) const {
+  using Complex = std::complex<double>;
+  // What is round each vertex is deformed by z -> a z + b conj(z), in the mean.
+  struct Deformation {
+    Complex a, b;
+    double weight = 0.0;
+  };
+  std::vector<Deformation> deformation(beside_.size());
+  for (const Fan& fan : fans_) {
+    const Complex u = complex_row(x, fan.corner[1]) - complex_row(x, fan.corner[0]);
+    const Complex v = complex_row(x, fan.corner[2]) - complex_row(x, fan.corner[0]);
+    Deformation& sum = deformation[planar::at(fan.row)];
+    const Complex i(0.0, fan.area < 0.0 ? -0.5 : 0.5);
+    sum.a += i * (u * std::conj(fan.second) - v * std::conj(fan.first));
+    sum.b += i * (v * fan.first - u * fan.second);
+    sum.weight += std::abs(fan.area);
+  }
+  Points result(static_cast<Eigen::Index>(beside_.size()), 2);
+  for (std::size_t c = 0; c < beside_.size(); ++c) {
+    const auto [source, a, b] = cage.origins[c];
+    Deformation& own = deformation[c];
+    Complex p = 0.0;
+    if (source >= 0) {
+      p = complex_row(x, source);
+      own.a /= std::max(own.weight, std::numeric_limits<double>::min());
+      own.b /= std::max(own.weight, std::numeric_limits<double>::min());
+    } else {
+      const Deformation &first = deformation[planar::at(a)], &second = deformation[planar::at(b)];
+      p = 0.5 * (complex_row(result, a) + complex_row(result, b));
+      own = {0.5 * (first.a + second.a), 0.5 * (first.b + second.b), 1.0};
+    }
+    p += own.a * beside_[c] + own.b * std::conj(beside_[c]);
+    result.row(static_cast<Eigen::Index>(c)) << p.real(), p.imag();
   }
   return result;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <complex>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -37,7 +39,9 @@ struct Cage {
 /// A coarse mesh of about `wished` vertices for a dense one, see coarsened(); more where the mesh has parts,
 /// or fixed vertices, that ask for them. None for a mesh of no more than `wished` vertices, or one that this
 /// would leave with more than half of them.
-std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& triangles, int wished);
+/// \throw Cancelled progress returned false
+std::optional<Coarse> coarse_for_cage(const Points& rest, const Triangles& triangles, int wished,
+                                      const std::function<bool(double)>& progress = {});
 
 Cage make_cage(const Points& rest, Coarse coarse);
 
@@ -83,6 +87,31 @@ class CageFit {
   const Cage& cage_;
   std::unique_ptr<SparseSolver> solver_;
   Unknowns unknowns_;  ///< all vertices
+};
+
+/// The positions of a cage whose vertices are where the dense mesh is that they were made from, a little
+/// beside them as the mesh is deformed there. Unlike a fit it turns hardly a triangle over that the mesh does
+/// not, however fine the cage is.
+class CageSample {
+ public:
+  /// \param rest n×2
+  CageSample(const Cage& cage, const Points& rest, const Triangles& triangles);
+
+  /// \param x n×2
+  /// \return c×2
+  Points at(const Cage& cage, const Points& x) const;
+
+ private:
+  /// A dense triangle with a vertex that the cage's vertex `row` was made from.
+  struct Fan {
+    int row;
+    std::array<int, 3> corner;
+    std::complex<double> first, second;  ///< sides at rest
+    double area;                         ///< twice that at rest, signed
+  };
+
+  std::vector<Fan> fans_;
+  std::vector<std::complex<double>> beside_;  ///< c: from where a vertex was made to where it is at rest
 };
 
 /// What a cage leaves of a shape of the dense mesh, turned with the cage's triangles from where they were

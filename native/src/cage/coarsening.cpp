@@ -16,6 +16,7 @@ constexpr double longest_edge = 1.7;             // of the shortest that a pass 
 constexpr double least_quality = 0.25;           // of new triangles; 1 is equilateral
 constexpr double rim_error = 0.08;               // of the size: what the boundary may be off by
 constexpr int smoothings = 3;
+constexpr double made_sizes = 0.2;  // of the time: for the sizes and the half-edges
 
 std::vector<int> any_triangle(Eigen::Index n_vertices, const Triangles& triangles) {
   std::vector<int> result(at(n_vertices), -1);
@@ -26,7 +27,8 @@ std::vector<int> any_triangle(Eigen::Index n_vertices, const Triangles& triangle
 
 class Coarsening {
  public:
-  Coarsening(const Points& dense, const Triangles& triangles, int wished);
+  Coarsening(const Points& dense, const Triangles& triangles, int wished,
+             const std::function<bool(double)>& progress);
   Coarse result() const;
 
  private:
@@ -34,6 +36,7 @@ class Coarsening {
 
   const HalfEdges& mesh() const { return work_.mesh(); }
   double mean_edge() const;
+  void tell(double share) const;
   void coarsen(int wished);
   void remove_below(double step, bool rows, int wished);
   bool is_crowded(int u, double step) const;
@@ -43,14 +46,18 @@ class Coarsening {
   CarriedMesh work_;
   std::vector<double> size_;
   std::vector<int> rim_next_, rim_last_;  ///< n: the neighbours along the boundary as it was
+  const std::function<bool(double)>& progress_;
   int n_alive_ = 0;
 };
 
-Coarsening::Coarsening(const Points& dense, const Triangles& triangles, int wished)
+Coarsening::Coarsening(const Points& dense, const Triangles& triangles, int wished,
+                       const std::function<bool(double)>& progress)
     : work_(dense, dense, triangles, any_triangle(dense.rows(), triangles)),
       size_(cage_sizes(dense, mesh(), wished)),
       rim_next_(size_.size(), -1),
-      rim_last_(size_.size(), -1) {
+      rim_last_(size_.size(), -1),
+      progress_(progress) {
+  tell(made_sizes);
   for (int v = 0; v < mesh().n_vertices(); ++v) n_alive_ += mesh().out(v) >= 0;
   for (int h = 0; h < 3 * mesh().n_triangles(); ++h) {
     if (mesh().twin(h) >= 0) continue;
@@ -66,6 +73,10 @@ Coarsening::Coarsening(const Points& dense, const Triangles& triangles, int wish
   }
 }
 
+void Coarsening::tell(double share) const {
+  if (progress_ && !progress_(share)) throw Cancelled();
+}
+
 double Coarsening::mean_edge() const {
   double sum = 0.0;
   for (int h = 0; h < 3 * mesh().n_triangles(); ++h) {
@@ -77,8 +88,10 @@ double Coarsening::mean_edge() const {
 
 void Coarsening::coarsen(int wished) {
   double step = std::min(1.0, first_step * mean_edge());
+  const double all = std::log(n_alive_ / static_cast<double>(wished));
   for (const bool rows : {true, false}) {
     for (; n_alive_ > wished && step <= (rows ? most_strict : most); step *= pass_growth) {
+      tell(made_sizes + (1.0 - made_sizes) * (1.0 - std::log(n_alive_ / static_cast<double>(wished)) / all));
       remove_below(step, rows, wished);
       work_.flip_to_delaunay(rows);
     }
@@ -188,8 +201,9 @@ Coarse Coarsening::result() const {
 
 }  // namespace
 
-Coarse coarsened(const Points& points, const Triangles& triangles, int wished) {
-  return Coarsening(points, triangles, wished).result();
+Coarse coarsened(const Points& points, const Triangles& triangles, int wished,
+                 const std::function<bool(double)>& progress) {
+  return Coarsening(points, triangles, wished, progress).result();
 }
 
 }  // namespace planar

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
+
 #include "cage/carried_mesh.h"
 
 namespace planar {
@@ -9,6 +11,8 @@ namespace planar {
 /// Delaunay and smoothing towards centroids. What the mesh is like stays: parts, slits, holes, what overlaps.
 /// Vertices that HalfEdges fixes stay where they are, with their triangles. Coarse vertices are in the order
 /// of their sources.
-Coarse coarsened(const Points& points, const Triangles& triangles, int wished);
+/// \throw Cancelled progress returned false
+Coarse coarsened(const Points& points, const Triangles& triangles, int wished,
+                 const std::function<bool(double)>& progress = {});
 
 }  // namespace planar

@@ -108,6 +108,13 @@ void Worker::wait() noexcept {
   thread->changed.wait(lock, [thread] { return !thread->busy; });
 }
 
+bool Worker::wait_for(std::chrono::milliseconds time) noexcept {
+  Thread* thread = own_thread();
+  if (thread == nullptr) return true;
+  std::unique_lock lock(thread->mutex);
+  return thread->changed.wait_for(lock, time, [thread] { return !thread->busy; });
+}
+
 void Worker::finish() {
   wait();
   if (thread_ && thread_->failure) failure_ = std::exchange(thread_->failure, nullptr);

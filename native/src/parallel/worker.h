@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -24,6 +25,8 @@ class Worker {
   void start(std::function<void()> task);
   /// Returns when the task has ended; does nothing without one.
   void wait() noexcept;
+  /// The same, but for so long at most; whether the task has ended.
+  bool wait_for(std::chrono::milliseconds time) noexcept;
   /// Waits and throws what the task threw.
   void finish();
 

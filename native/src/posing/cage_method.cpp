@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "base/checks.h"
@@ -57,10 +58,14 @@ CageMethod::Solved::Solved(Cage made, const CageMethod& owner, std::vector<int> 
       orientation(orientation_of(cage, owner.centre_)),
       suspects(cage, owner.rest_.rowwise() + owner.centre_, owner.orientation_.triangles()),
       fit(cage, mesh),
-      method(owner.make_(
-          cage.rest, cage.triangles, orientation,
-          carried_stiffness(cage, owner.rest_, owner.orientation_.triangles(), owner.stiffness_))),
-      near(std::move(refined_near)) {}
+      stiffness(carried_stiffness(cage, owner.rest_, owner.orientation_.triangles(), owner.stiffness_)),
+      method(owner.make_(cage.rest, cage.triangles, orientation, stiffness)),
+      hold(owner.rest_.rows() <= most_polished ? dynamic_cast<HoldMethod*>(method.get()) : nullptr),
+      near(std::move(refined_near)) {
+  if (hold == nullptr) return;
+  energy = RestEnergy(cage.rest, cage.triangles, orientation.flat(), stiffness);
+  sample.emplace(cage, owner.rest_, owner.orientation_.triangles());
+}
 
 CageMethod::CageMethod(Coarse coarse, const Points& rest, const Eigen::RowVector2d& centre,
                        const Orientation& orientation, const Eigen::VectorXd& stiffness, double kept,
@@ -167,7 +172,9 @@ void CageMethod::set_handles(const HandleSet& set) {
     x_.resize(0, 2);
     unseen_ = true;
   }
-  handles_ = set.handles;
+  handles_ = set;
+  if (polish_) polish_->set_handles(handles_);
+  coarse_settled_ = false;
   pinned_ = std::move(pinned);
   cage_handles_ = std::move(on_cage.handles);
   held_ = std::move(held);
@@ -192,25 +199,66 @@ bool CageMethod::is_as_left(const Points& x) const {
   return true;
 }
 
+void CageMethod::reset() noexcept {
+  unseen_ = true;
+  coarse_settled_ = false;
+}
+
 /// The mesh's positions are x.
 void CageMethod::take(const Points& x) {
   unseen_ = false;
-  if (is_as_left(x)) return;
+  // A correction is for x alone, whatever led there.
+  if (on_->hold == nullptr && is_as_left(x)) return;
+  correction_ = {};
+  if (on_->hold != nullptr && orientation_.count_flipped(x) == 0 && balance(x)) return;
   x_ = on_->fit.fit(x);
-  beside_ = Remainder(on_->cage, x_, x, negligible * size_);
-  left_.assign(at(on_->mesh.n_parts), beside_.is_empty() ? 0.0 : 1.0);
+  take_beside(x);
   on_->method->reset();
+}
+
+void CageMethod::take_beside(const Points& x) {
+  beside_ = Remainder(on_->cage, x_, x, negligible * size_);
+  left_.assign(at(on_->mesh.n_parts), beside_.is_empty() && correction_.is_empty() ? 0.0 : 1.0);
+}
+
+/// Puts the cage to where the mesh is, with a correction; not where it would be turned over.
+bool CageMethod::balance(const Points& x) {
+  Points sampled = on_->sample->at(on_->cage, x);
+  std::vector<int> all(at(on_->cage.triangles.rows()));
+  std::iota(all.begin(), all.end(), 0);
+  turn_upright(on_->cage.rest, on_->orientation, centre_, on_->stiffness,
+               std::vector<char>(at(sampled.rows())), all, sampled);
+  if (on_->orientation.count_flipped(sampled) != 0 || on_->hold->is_knotted(sampled)) return false;
+  if (!dense_energy_) dense_energy_.emplace(rest_, orientation_.triangles(), orientation_.flat(), stiffness_);
+  correction_ = {on_->cage, on_->mesh, on_->energy, *dense_energy_, sampled, x};
+  if (correction_.is_empty()) return false;
+  x_ = std::move(sampled);
+  take_beside(x);
+  on_->hold->go_on();
+  return true;
 }
 
 /// How much of what the fit left each part keeps.
 std::vector<double> CageMethod::left_after(double kept) const {
   std::vector<double> result = left_;
+  if (!correction_.is_empty()) {
+    const std::vector<double> shares = correction_.shares_at(on_->mesh, x_, size_);
+    for (std::size_t part = 0; part < result.size(); ++part) {
+      if (held_[part]) result[part] = shares[part];
+    }
+    return result;
+  }
   for (std::size_t part = 0; part < result.size(); ++part) {
     if (!held_[part]) continue;
     result[part] *= kept;
     if (kept < 1.0 && result[part] * beside_.largest() <= released * size_) result[part] = 0.0;
   }
   return result;
+}
+
+void CageMethod::correct(const std::vector<double>& left) {
+  if (on_->hold == nullptr) return;
+  on_->hold->set_loads(correction_.is_empty() ? Points(0, 2) : correction_.loads_at(on_->mesh, x_, left));
 }
 
 /// By triangle of the cage: how what is beside it is turned and shortened. Empty if there is nothing.
@@ -227,12 +275,12 @@ Points CageMethod::offsets(const std::vector<double>& left) const {
   Points result = -cage_handles_.positions(x_);
   for (Eigen::Index row = 0; row < result.rows(); ++row) {
     for (int c = 0; c < 3; ++c) {
-      const int v = handles_.vertices(row, c);
+      const int v = handles_.handles.vertices(row, c);
       const Place& place = on_->cage.places[at(v)];
       if (place.triangle < 0) continue;
       Eigen::RowVector2d p = carried(place, on_->cage.triangles, x_);
       if (!turns.empty()) p += beside_.of(on_->cage, v, turns);
-      result.row(row) += handles_.weights(row, c) * p;
+      result.row(row) += handles_.handles.weights(row, c) * p;
     }
   }
   return result;
@@ -243,11 +291,40 @@ void CageMethod::move(const Points& targets, Points& x, Report& report) {
 }
 
 void CageMethod::refine(const Points& targets, Points& x, Report& report) {
-  act(&PosingMethod::refine, 1, kept_, targets, x, report);
+  if (coarse_settled_) {
+    polish(&DensePolish::refine, targets, x, report);
+  } else {
+    act(&PosingMethod::refine, 1, kept_, targets, x, report);
+  }
 }
 
 void CageMethod::settle(const Points& targets, Points& x, Report& report) {
-  act(&PosingMethod::settle, settle_rounds, kept_ < 1.0 ? 0.0 : 1.0, targets, x, report);
+  if (!coarse_settled_)
+    act(&PosingMethod::settle, settle_rounds, kept_ < 1.0 ? 0.0 : 1.0, targets, x, report);
+  if (!on_ || on_->hold == nullptr || targets.rows() == 0) return;
+  coarse_settled_ = true;
+  try {
+    polish(&DensePolish::settle, targets, x, report);
+  } catch (...) {
+    reset();  // the cage is no longer where the mesh stays
+    throw;
+  }
+}
+
+/// Takes the mesh itself to its minimum, or nearer to it.
+void CageMethod::polish(Polish action, const Points& targets, Points& x, Report& report) {
+  if (!polish_) {
+    polish_ = std::make_unique<DensePolish>(rest_, orientation_, stiffness_);
+    polish_->set_handles(handles_);
+  }
+  Report done;
+  (polish_.get()->*action)(targets, progress(), x, done);
+  unseen_ = true;
+  report.iterations += done.iterations;
+  report.substeps += done.substeps;
+  report.converged = done.converged;
+  report.coarse_settled = true;
+  report.flipped = orientation_.count_flipped(x);
 }
 
 void CageMethod::act(Action action, int rounds, double kept, const Points& targets, Points& x,
@@ -258,6 +335,7 @@ void CageMethod::act(Action action, int rounds, double kept, const Points& targe
   }
   if (unseen_) take(x);
   const std::vector<double> left = left_after(kept);
+  correct(left);
   const Points before = x_;
   Points now = x_;
   try {
@@ -281,7 +359,7 @@ void CageMethod::act(Action action, int rounds, double kept, const Points& targe
   std::vector<char> moves(left.size());
   for (std::size_t part = 0; part < left.size(); ++part) {
     moves[part] = left[part] != left_[part];
-    if (left[part] > 0.0 && kept < 1.0 && held_[part]) report.converged = false;
+    if (left[part] > 0.0 && kept < 1.0 && held_[part] && correction_.is_empty()) report.converged = false;
   }
   for (int c = 0; c < on_->mesh.n_vertices; ++c) {
     if (on_->mesh.part[at(c)] >= 0 && x_.row(c) != before.row(c)) moves[at(on_->mesh.part[at(c)])] = 1;
@@ -293,6 +371,8 @@ void CageMethod::act(Action action, int rounds, double kept, const Points& targe
   repaired_places_ = x(repaired_, Eigen::all);
   report.flipped = repaired_.empty() ? static_cast<int>(orientation_.flipped_of(suspects, x).size())
                                      : orientation_.count_flipped(x);
+  coarse_settled_ = report.coarse_settled = on_->hold != nullptr && targets.rows() != 0 && report.converged;
+  if (coarse_settled_) report.converged = false;
 }
 
 /// Takes the vertices of these parts of the mesh to where the cage has them.

@@ -3,12 +3,16 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "cage/cage.h"
 #include "mesh/orientation.h"
 #include "mesh/pin.h"
+#include "posing/cage_correction.h"
+#include "posing/dense_polish.h"
+#include "posing/hold_method.h"
 #include "posing/posing_method.h"
 
 namespace planar {
@@ -19,11 +23,19 @@ namespace planar {
 /// The positions that it starts from are the cage's nearest ones and what these leave. Of that, turned with
 /// the triangles of the cage, the mesh keeps a share with each move. Parts that the method does not move stay
 /// as they are.
+///
+/// Where the other method is HoldMethod and the mesh has no more than most_polished vertices, the cage stands
+/// in for it only while it moves. It balances where the mesh does that it starts from (CageCorrection), so
+/// that nothing is seen of a change from one to the other; once it has settled, refine() and settle() take
+/// the mesh to its own minimum.
 class CageMethod final : public PosingMethod {
  public:
   /// What to solve on the cage with: its rest, triangles, orientation (to outlive the method) and stiffness.
   using Make = std::function<std::unique_ptr<PosingMethod>(const Points&, const Triangles&,
                                                            const Orientation&, const Eigen::VectorXd&)>;
+
+  /// Vertices of a mesh that is solved itself in the end. Beyond, a step of it takes seconds, and a gigabyte.
+  static constexpr Eigen::Index most_polished = 250'000;
 
   /// \param rest n×2
   /// \param centre what the positions given to the functions below are relative to
@@ -40,11 +52,13 @@ class CageMethod final : public PosingMethod {
   void move(const Points& targets, Points& x, Report& report) override;
   void refine(const Points& targets, Points& x, Report& report) override;
   void settle(const Points& targets, Points& x, Report& report) override;
-  void reset() noexcept override { unseen_ = true; }
+  void reset() noexcept override;
   bool counts_flipped() const override { return true; }
 
  private:
   using Action = void (PosingMethod::*)(const Points& targets, Points& x, Report& report);
+  using Polish = void (DensePolish::*)(const Points& targets, const std::function<bool(double)>& progress,
+                                       Points& x, Report& report);
 
   /// A cage and what is made for it.
   struct Solved {
@@ -53,7 +67,11 @@ class CageMethod final : public PosingMethod {
     Orientation orientation;
     Suspects suspects;
     CageFit fit;
+    Eigen::VectorXd stiffness;  ///< of its triangles, or empty
     std::unique_ptr<PosingMethod> method;
+    HoldMethod* hold;   ///< the method, where it is that and the mesh is polished
+    RestEnergy energy;  ///< of the cage, for that
+    std::optional<CageSample> sample;
     std::vector<int> near;  ///< dense vertices where it is refined, ascending
 
     Solved(Cage cage, const CageMethod& owner, std::vector<int> near);
@@ -62,9 +80,13 @@ class CageMethod final : public PosingMethod {
   Handles caged(const Handles& handles, const Solved& on) const;
   Place place_of(const Pin& point, const Cage& cage) const;
   void act(Action action, int rounds, double kept, const Points& targets, Points& x, Report& report);
+  void polish(Polish action, const Points& targets, Points& x, Report& report);
   bool is_as_left(const Points& x) const;
   void take(const Points& x);
+  void take_beside(const Points& x);
+  bool balance(const Points& x);
   std::vector<double> left_after(double kept) const;
+  void correct(const std::vector<double>& left);
   Remainder::Turns turns_at(const Points& x, const std::vector<double>& left) const;
   Points offsets(const std::vector<double>& left) const;
   void carry(const std::vector<char>& parts, Points& x) const;
@@ -83,10 +105,16 @@ class CageMethod final : public PosingMethod {
   bool unseen_ = true;         ///< the mesh's positions come from elsewhere
   std::vector<int> repaired_;  ///< dense vertices that were not left where the cage has them
   Points repaired_places_;
-  Remainder beside_;          ///< what the fit left of them
-  std::vector<double> left_;  ///< how much of it is left, by part
+  Remainder beside_;           ///< what the fit left of them
+  CageCorrection correction_;  ///< for where the fit was made
+  std::vector<double> left_;   ///< how much of both is left, by part
 
-  Handles handles_, cage_handles_;
+  std::optional<RestEnergy> dense_energy_;
+  std::unique_ptr<DensePolish> polish_;  ///< once it is needed
+  bool coarse_settled_ = false;          ///< what is to come is for the mesh itself
+
+  HandleSet handles_;
+  Handles cage_handles_;
   std::vector<char> pinned_;  ///< n: vertices of handles, and of parts without
   std::vector<char> held_;    ///< by part of the cage: it has handles
 };

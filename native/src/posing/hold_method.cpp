@@ -23,6 +23,7 @@ using Complex = std::complex<double>;
 constexpr int move_steps = 2;
 constexpr int move_factors = 2;
 constexpr int settle_budget = 200;       // steps, and factors
+constexpr int advance_steps = 3;         // and factors: as many as one serves
 constexpr double tolerance = 1e-5;       // of the size
 constexpr double negligible = 1e-8;      // of the size: a motion not worth making
 constexpr double worth_following = 0.3;  // of the pins' energy: what a rigid motion may leave of it
@@ -147,6 +148,11 @@ void HoldMethod::set_lines(std::vector<LineSpring> lines) {
   springs_.lines = std::move(lines);
 }
 
+void HoldMethod::set_loads(Points loads) {
+  worker_.wait();
+  springs_.loads = std::move(loads);
+}
+
 void HoldMethod::set_rest(const Points& rest) {
   reset();
   unseen_ = may_be_tangled_ = false;
@@ -162,17 +168,33 @@ void HoldMethod::reset() noexcept {
   origin_.resize(0, 2);
 }
 
+void HoldMethod::go_on() noexcept {
+  reset();
+  unseen_ = may_be_tangled_ = false;
+}
+
+bool HoldMethod::is_knotted(const Points& x) const {
+  const std::vector<char> parts = knotted(x);
+  return std::find(parts.begin(), parts.end(), char{1}) != parts.end();
+}
+
 /// A bounded piece of work, after which the next factor is made while the caller goes on.
 Newton::Budget HoldMethod::two_steps(double limit) const {
   return {move_steps, move_factors, true, limit, tolerance * newton_.size()};
 }
 
 void HoldMethod::move(const Points& targets, Points& x, Report& report) {
-  descend(targets, two_steps(unlimited), x, report);
+  descend(targets, two_steps(unlimited), false, x, report);
 }
 
 void HoldMethod::refine(const Points& targets, Points& x, Report& report) {
-  descend(targets, two_steps(refine_limit * newton_.size()), x, report);
+  descend(targets, two_steps(refine_limit * newton_.size()), false, x, report);
+}
+
+void HoldMethod::advance(const Points& targets, Points& x, Report& report) {
+  const double limit = refine_limit * newton_.size();
+  descend(targets, {advance_steps, advance_steps, false, limit, tolerance * newton_.size()}, false, x,
+          report);
 }
 
 void HoldMethod::settle(const Points& targets, Points& x, Report& report) {
@@ -181,10 +203,12 @@ void HoldMethod::settle(const Points& targets, Points& x, Report& report) {
 
 void HoldMethod::settle_within(int steps, const std::function<void()>& before_step, const Points& targets,
                                Points& x, Report& report) {
-  descend(targets, {steps, steps, false, unlimited, tolerance * newton_.size(), before_step}, x, report);
+  descend(targets, {steps, steps, false, unlimited, tolerance * newton_.size(), before_step}, true, x,
+          report);
 }
 
-void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Points& x, Report& report) {
+void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, bool ends, Points& x,
+                         Report& report) {
   report.converged = springs_.pins.empty() && !free_;
   if (report.converged) return;
   worker_.wait();
@@ -200,7 +224,7 @@ void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, Po
   if (!springs_.hanging.empty()) set_reference(x);
   try {
     descend_from(budget, x, report);
-    if (may_be_tangled_ && (report.converged || !budget.ahead)) {
+    if (may_be_tangled_ && (report.converged || ends)) {
       if (begin_from_rest(tangled(x), x)) descend_from(budget, x, report);
       may_be_tangled_ = false;
     }
@@ -410,6 +434,12 @@ void HoldMethod::turn_factor(const std::vector<RigidMotion>& motions, const std:
     if (std::abs(first - second) > worth_a_factor) newton_.system().forget();
   }
   newton_.system().turn(turn);
+  for (Eigen::Index v = 0; v < springs_.loads.rows(); ++v) {
+    const int part = mesh_.part[at(v)];
+    if (part < 0) continue;
+    const Complex load = turn[at(part)] * complex_row(springs_.loads, v);
+    springs_.loads.row(v) << load.real(), load.imag();
+  }
 }
 
 }  // namespace planar

@@ -33,9 +33,23 @@ class HoldMethod final : public PosingMethod {
   /// Beside the handles; to be called after set_handles(), which removes them.
   void set_lines(std::vector<LineSpring> lines);
 
+  /// Constant forces on the vertices (n×2) from the next call on, or none (0×2). Where a part goes along
+  /// rigidly with its pins they turn with it.
+  void set_loads(Points loads);
+
   /// Another rest shape, with the same triangles and without stiffness, of which x is a rigid motion part by
   /// part at the next call. The orientation is to be its by now.
   void set_rest(const Points& rest);
+
+  /// As reset(), but the positions come from a descent: parts do not begin anew from the rest, whatever lies
+  /// the other way round there.
+  void go_on() noexcept;
+
+  /// Whether a part goes round one of its inner vertices more often than at rest.
+  bool is_knotted(const Points& x) const;
+
+  /// A few of the steps of settle(), with refine()'s limit on motion.
+  void advance(const Points& targets, Points& x, Report& report);
 
   /// settle() in so many steps at most, before each of which the caller is told; what he throws ends it.
   void settle_within(int steps, const std::function<void()>& before_step, const Points& targets, Points& x,
@@ -53,7 +67,8 @@ class HoldMethod final : public PosingMethod {
   using Joint = HoldSprings::Joint;
 
   Newton::Budget two_steps(double limit) const;
-  void descend(const Points& targets, const Newton::Budget& budget, Points& x, Report& report);
+  /// \param ends no further call will go on from there
+  void descend(const Points& targets, const Newton::Budget& budget, bool ends, Points& x, Report& report);
   void descend_from(const Newton::Budget& budget, Points& x, Report& report);
   bool follow_rigidly(double limit, Points& x);
   bool turn_on_joints(double limit, Points& x);

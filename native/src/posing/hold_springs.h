@@ -9,7 +9,7 @@
 namespace planar {
 
 /// What PoserMethod::hold adds to the rest energy: pins with their targets in Pin::position, lines, joints,
-/// and what keeps parts on hinges from drifting.
+/// what keeps parts on hinges from drifting, and loads, which no Hessian shows.
 struct HoldSprings final : Springs {
   /// Holds a vertex on the line normal · x = offset.
   struct LineSpring {
@@ -36,6 +36,7 @@ struct HoldSprings final : Springs {
   std::vector<Pin> pins;
   std::vector<LineSpring> lines;
   std::vector<Joint> joints;  ///< of the parts that move
+  Points loads{0, 2};         ///< n×2: forces on the vertices; empty: none
   std::vector<int> hanging;   ///< vertices of parts with joints that move
   Points reference;           ///< n×2: where these would be if all moved as one
 };

@@ -56,7 +56,7 @@ std::unique_ptr<PosingMethod> make_method(const Points& rest, const Triangles& t
     return std::make_unique<AkvfMethod>(x, t, o, stiffness);
   };
   if (options.cage) {
-    if (std::optional<Coarse> coarse = coarse_for_cage(rest, triangles, *options.cage)) {
+    if (std::optional<Coarse> coarse = coarse_for_cage(rest, triangles, *options.cage, options.progress)) {
       return std::make_unique<CageMethod>(std::move(*coarse), rest, centre, orientation, options.stiffness,
                                           kept_beside_cage(options.method), make);
     }
@@ -77,7 +77,7 @@ struct Poser::State {
         positions(rest) {}
 
   using Action = void (PosingMethod::*)(const Points& targets, Points& x, Report& report);
-  void act(Action action, Points towards);
+  void act(Action action, Points towards, const std::function<bool(double)>& progress = {});
 
   Points rest;
   double pin_weight;
@@ -92,9 +92,10 @@ struct Poser::State {
   Points next;  ///< x under way
 };
 
-void Poser::State::act(Action action, Points towards) {
+void Poser::State::act(Action action, Points towards, const std::function<bool(double)>& progress) {
   Report done;
   next = x;
+  method->set_progress(progress);
   (method.get()->*action)(towards, next, done);
   if (towards.rows() != 0) {
     done.furthest_handle = (handles.positions(next) - towards).rowwise().norm().maxCoeff();
@@ -169,13 +170,13 @@ const Points& Poser::move(const Points& targets) {
   return state_->positions;
 }
 
-const Points& Poser::refine() {
-  if (state_->targets) state_->act(&PosingMethod::refine, *state_->targets);
+const Points& Poser::refine(const std::function<bool(double)>& progress) {
+  if (state_->targets) state_->act(&PosingMethod::refine, *state_->targets, progress);
   return state_->positions;
 }
 
-const Points& Poser::settle() {
-  if (state_->targets) state_->act(&PosingMethod::settle, *state_->targets);
+const Points& Poser::settle(const std::function<bool(double)>& progress) {
+  if (state_->targets) state_->act(&PosingMethod::settle, *state_->targets, progress);
   return state_->positions;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "planar/handle.h"
@@ -49,6 +51,15 @@ class PosingMethod {
   virtual void reset() noexcept = 0;
   /// Whether it fills in `flipped` of reports, too; else the Poser looks at all triangles.
   virtual bool counts_flipped() const { return false; }
+
+  /// What calls ask that take longer than a move; empty: nobody wants to know.
+  void set_progress(std::function<bool(double)> progress) { progress_ = std::move(progress); }
+
+ protected:
+  const std::function<bool(double)>& progress() const { return progress_; }
+
+ private:
+  std::function<bool(double)> progress_;
 };
 
 }  // namespace planar

@@ -174,5 +174,17 @@ TEST(CageFit, FindsTheCageOfACarriedShape) {
   EXPECT_TRUE(beside.is_empty()) << beside.largest();
 }
 
+TEST(CageSample, IsWhereTheMeshIs) {
+  const Shape shape = grid(40);
+  const Cage cage = make_cage(
+      shape.vertices, refined_near(shape.vertices, coarsened(shape.vertices, shape.triangles, 150), {820}));
+  const CageSample sample(cage, shape.vertices, shape.triangles);
+  Eigen::Matrix2d sheared;
+  sheared << 1.3, 0.4, -0.2, 0.7;
+  const Points to = (shape.vertices * sheared).rowwise() + Eigen::RowVector2d(3.0, -1.0);
+  const Points expected = (cage.rest * sheared).rowwise() + Eigen::RowVector2d(3.0, -1.0);
+  EXPECT_LT((sample.at(cage, to) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 }  // namespace
 }  // namespace planar::testing

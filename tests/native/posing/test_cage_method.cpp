@@ -11,6 +11,7 @@
 #include "mesh/triangle_shape.h"
 #include "planar/distortion.h"
 #include "planar/poser.h"
+#include "posing/posing_method.h"
 #include "posing/upright_patches.h"
 #include "slivers.h"
 
@@ -60,27 +61,29 @@ TEST(CageMethod, RigidTargetsGiveARigidMotion) {
   }
 }
 
-/// What our own characters do in their poses, of the diagonal. Pins of large poses have several minima beside
-/// each other, so that others cannot be compared in this way.
-TEST(CageMethod, IsNearTheDenseSolution) {
+/// What our own characters do in their poses, of the diagonal, while they are dragged, and in the end. Pins
+/// of large poses have several minima beside each other, so that others cannot be compared in this way.
+TEST(CageMethod, IsNearTheDenseSolutionAndEndsAtIt) {
   for (const char* name : {"fox", "dragon"}) {
     const auto character = characters::read(PLANAR_OWN_CHARACTERS, name);
     ASSERT_TRUE(character);
     const Shape shape = refined({character->vertices, character->triangles});
     const characters::Pose& pose = character->poses.front();
-    std::array<Points, 2> posed;
+    std::array<Points, 2> dragged, posed;
     for (const bool caged : {false, true}) {
       Poser poser(shape.vertices, shape.triangles,
                   {.cage = caged ? std::optional<int>(2000) : std::optional<int>()});
       poser.set_handles(at(shape, pose.handles));
-      poser.move(pose.targets);
+      dragged[caged] = poser.move(pose.targets);
+      while (!poser.report().converged && !poser.report().coarse_settled) dragged[caged] = poser.refine();
       posed[caged] = poser.settle();
+      EXPECT_TRUE(poser.report().converged);
       EXPECT_EQ(poser.report().flipped, 0);
       EXPECT_EQ(poser.report().flipped, distortion(shape.vertices, posed[caged], shape.triangles).flipped);
       EXPECT_LT(poser.report().furthest_handle, 1e-3 * character->diagonal());
     }
-    // Measured: 0.0013 and 0.0017 at most.
-    EXPECT_LT(furthest(posed[0], posed[1]), 0.005 * character->diagonal()) << name;
+    EXPECT_LT(furthest(dragged[0], dragged[1]), 0.005 * character->diagonal()) << name;
+    EXPECT_LT(furthest(posed[0], posed[1]), 5e-5 * character->diagonal()) << name;
   }
 }
 
@@ -147,7 +150,7 @@ TEST(CageMethod, AStoredPoseIsGoneOnFrom) {
       again.reset(posed);
       EXPECT_EQ(again.positions(), posed);
       EXPECT_LT(furthest(again.move(targets), posed), 1e-5);
-      EXPECT_TRUE(again.report().converged);
+      EXPECT_TRUE(again.report().converged || again.report().coarse_settled);
     };
     poser.move(square.targets);
     expect_back(poser, square.targets, stored(poser.settle()));
@@ -158,8 +161,112 @@ TEST(CageMethod, AStoredPoseIsGoneOnFrom) {
   }
 }
 
+/// Whoever takes hold of a settled drawing, and has not seen it settle.
+TEST(CageMethod, NothingJumpsWhenASettledDrawingIsTakenHoldOf) {
+  const auto character = characters::read(PLANAR_OWN_CHARACTERS, "dragon");
+  ASSERT_TRUE(character);
+  const Shape shape = refined({character->vertices, character->triangles});
+  const characters::Pose& pose = character->poses.front();
+  Poser first(shape.vertices, shape.triangles, {.cage = 1500});
+  first.set_handles(at(shape, pose.handles));
+  const Points coarse = first.move(pose.targets);
+  const Points settled = stored(first.settle());
+  ASSERT_GT(furthest(coarse, settled), 1e-3 * character->diagonal());
+
+  std::vector<int> pins(pose.handles.begin(), pose.handles.end());
+  pins.push_back(0);  // beside them a new one, which makes the cage anew
+  Poser second(shape.vertices, shape.triangles, {.cage = 1500});
+  second.set_handles(at(shape, pins));
+  Points targets(pose.targets.rows() + 1, 2);
+  targets << pose.targets, settled.row(0);
+  for (Poser* poser : {&first, &second}) {
+    poser->reset(settled);
+    Points to = poser == &first ? pose.targets : targets;
+    EXPECT_LT(furthest(poser->move(to), settled), 1e-4 * character->diagonal());
+    Points before = poser->positions();
+    for (int step = 1; step <= 5; ++step) {
+      const double way = 1e-3 * character->diagonal();
+      to.row(0) += Eigen::RowVector2d(way, 0.0);
+      EXPECT_LT(furthest(poser->move(to), before), way + 1e-4 * character->diagonal());
+      before = poser->positions();
+    }
+  }
+}
+
+TEST(CageMethod, RefinementsGoOnToTheDrawingItselfStepByStep) {
+  const Square square;
+  Poser poser = square.poser(PoserMethod::hold), plain = square.poser(PoserMethod::hold, {});
+  plain.move(square.targets);
+  poser.move(square.targets);
+  Points before = poser.positions();
+  int coarse = 0, dense = 0;
+  while (!poser.report().converged && coarse + dense < 100) {
+    ++(poser.report().coarse_settled ? dense : coarse);
+    const Points& now = poser.refine();
+    EXPECT_LT(furthest(now, before), (refine_limit + 1e-6) * std::numbers::sqrt2);
+    before = now;
+  }
+  EXPECT_TRUE(poser.report().converged);
+  EXPECT_GT(coarse, 0);
+  EXPECT_GT(dense, 0);
+  EXPECT_LT(furthest(before, plain.settle()), 5e-5);
+  // A further move is for the coarse mesh again.
+  Points targets = square.targets;
+  targets(1, 0) += 0.2;
+  poser.move(targets);
+  EXPECT_FALSE(poser.report().converged);
+}
+
+TEST(CageMethod, WhatTakesLongIsCancelledAndNothingIsLost) {
+  const Square square;
+  Poser poser = square.poser(PoserMethod::hold);
+  const auto no = [](double) { return false; };
+  Poser stopped = square.poser(PoserMethod::hold);
+  const Points moved = stopped.move(square.targets);
+  EXPECT_THROW(stopped.settle(no), Cancelled);
+  EXPECT_TRUE(stopped.positions() == moved);
+  EXPECT_LT(furthest(stopped.move(square.targets), moved), 0.1);
+
+  poser.move(square.targets);
+  while (!poser.report().coarse_settled) poser.refine(no);  // the coarse mesh is not asked for
+  const Points coarse = poser.positions();
+  EXPECT_THROW(poser.refine(no), Cancelled);
+  EXPECT_TRUE(poser.positions() == coarse);
+  Poser same = square.poser(PoserMethod::hold);
+  same.move(square.targets);
+  while (!same.report().coarse_settled) same.refine();
+  for (int piece = 0; piece < 2; ++piece) {
+    EXPECT_TRUE(poser.refine() == same.refine());  // what was cancelled leaves no trace
+    EXPECT_THROW(poser.refine(no), Cancelled);
+  }
+  const Points refined = poser.positions();
+  EXPECT_THROW(poser.settle([](double) -> bool { throw std::logic_error("asked"); }), std::logic_error);
+  EXPECT_TRUE(poser.positions() == refined);
+
+  double last = 0.0;
+  const Points settled = poser.settle([&last](double share) {
+    EXPECT_GE(share, last);
+    EXPECT_LE(share, 1.0);
+    last = share;
+    return true;
+  });
+  Poser other = square.poser(PoserMethod::hold, {});
+  other.move(square.targets);
+  EXPECT_LT(furthest(settled, other.settle()), 5e-5);
+
+  std::vector<double> shares;
+  const auto ask = [&shares](double share) {
+    shares.push_back(share);
+    return shares.size() < 3;
+  };
+  EXPECT_THROW(Poser(square.shape.vertices, square.shape.triangles, {.cage = 300, .progress = ask}),
+               Cancelled);
+  EXPECT_EQ(shares.size(), 3U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+}
+
 /// A bump that no cage has: moved pins carry it, and none jumps.
-TEST(CageMethod, WhatACageCannotHaveIsTurnedByAkvfAndLetGoOfByHold) {
+TEST(CageMethod, WhatACageCannotHaveIsTurnedUntilHoldSettles) {
   const Square square;
   Points bumped = square.shape.vertices;
   const Eigen::RowVector2d middle = bumped.row(30 * 61 + 30);
@@ -174,15 +281,11 @@ TEST(CageMethod, WhatACageCannotHaveIsTurnedByAkvfAndLetGoOfByHold) {
 
   Poser hold = square.poser(PoserMethod::hold);
   hold.reset(bumped);
-  double left = furthest(bumped, square.shape.vertices);
   for (int step = 0; step < 3; ++step) {
     const Points& shown = hold.move(square.start);
     EXPECT_LT(furthest(shown(square.pins, Eigen::all), square.start), 1e-4);
-    const double now = furthest(shown, square.shape.vertices);
-    EXPECT_GT(now, 0.3 * left);  // not at once
-    EXPECT_LT(now, 0.8 * left);
+    EXPECT_LT(furthest(shown, bumped), 2e-3);
     EXPECT_FALSE(hold.report().converged);
-    left = now;
   }
   EXPECT_LT(furthest(hold.settle(), square.shape.vertices), 1e-4);
   EXPECT_TRUE(hold.report().converged);

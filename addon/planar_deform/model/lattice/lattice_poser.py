@@ -10,6 +10,7 @@ import numpy as np
 from ... import native
 from ..plane.cutout import Cutout, diagonal_of
 from ..plane.frame import Array, Indices, mapped
+from ..work import Progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +81,8 @@ class LatticePoser:
         self._solver.solve(on_mesh if len(on_mesh) else None, on_lattice if len(on_lattice) else None)
         return self.positions
 
-    def refine(self) -> Array:
-        """Closer to the last targets; positions."""
+    def refine(self, *, progress: Progress | None = None) -> Array:
+        """Closer to the last targets; positions. It is too quick to be asked about."""
         self._solver.refine()
         return self.positions
 

@@ -12,6 +12,7 @@ import numpy as np
 from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array, Indices
+from ..work import Progress
 from .pins import Holder, Pin, turned
 
 # One sample of a drag: offset along u and v in world lengths and turn in radians, each since the start.
@@ -23,6 +24,9 @@ RAMP_SAMPLES = 12
 
 # Refinements in a row that settling takes at most. A pose converges in far fewer, or never.
 MOST_REFINEMENTS = 100
+# Of those the ones on a dense drawing itself, where each takes longer than a move. Poses take 2 to 15, but
+# for some in which it lies folded over.
+MOST_SLOW = 20
 
 
 class Poser(Protocol):
@@ -35,7 +39,7 @@ class Poser(Protocol):
 
     def move(self, targets: Array, /) -> Array: ...
 
-    def refine(self) -> Array: ...
+    def refine(self, *, progress: Progress | None = None) -> Array: ...
 
     def settle(self) -> Array: ...
 
@@ -90,6 +94,9 @@ class Posing:
         self._moving = frozenset(moving)
         self._starts = self._begun = [start_of(holder, positions) for holder in self._holders]
         self._scales = self._scales_begun = [start_scale_of(holder, positions) for holder in self._holders]
+        # Asked while a refinement takes longer than a move; where it answers False that raises
+        # native.Cancelled, and the posing is as it was before.
+        self.progress: Progress | None = None
         # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
         # None: they stay. Asked wherever it is solved, which may be in another thread.
         self.played: Callable[[int], Array | None] | None = None
@@ -110,14 +117,28 @@ class Posing:
         self._poser: Poser | None = None
         self.positions = self._start  # n x 2, after the last move
         self.path: list[Sample] = []
-        self._refinements = 0
+        self._refinements = self._slow_ones = 0
         self._starts, self._scales = self._begun, self._scales_begun
         self._playing: Array | None = None
 
     @property
     def settled(self) -> bool:
         """Whether refining would change nothing worth seeing, or has been tried for long enough."""
-        return self._poser is None or self._poser.report.converged or self._refinements >= MOST_REFINEMENTS
+        return (
+            self._poser is None
+            or self._poser.report.converged
+            or self._refinements >= MOST_REFINEMENTS
+            or self._slow_ones >= MOST_SLOW
+        )
+
+    @property
+    def refines_slowly(self) -> bool:
+        """Whether there is nothing left to do but on a dense drawing itself."""
+        return (
+            self._poser is not None
+            and isinstance(report := self._poser.report, native.Report)
+            and report.coarse_settled
+        )
 
     def move(self, du: float, dv: float, angle: float) -> Array:
         """Take the pins to a total offset and turn since the start (rounded to float32); n x 2 positions.
@@ -130,11 +151,13 @@ class Posing:
             self._poser = self._make_poser()
             self._set_handles(self._poser)
         if not self._play() and self.path and self.path[-1] == sample:
-            self.positions = self._poser.refine()
+            slow = self.refines_slowly
+            self.positions = self._poser.refine(progress=self.progress)
             self._refinements += 1
+            self._slow_ones += slow
         else:
             self.positions = self._poser.move(self._targets(sample))
-            self._refinements = 0
+            self._refinements = self._slow_ones = 0
         self.path.append(sample)
         return self.positions
 

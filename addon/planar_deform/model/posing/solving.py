@@ -12,6 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+from ... import native
 from .posing import Posing, Sample, Solved
 
 # Seconds that the mouse has to rest before the drawing is refined: a refinement under way would keep the next
@@ -50,6 +51,7 @@ class Solving:
         self._took = float("inf")  # seconds that the last sample took
         self._seen: Callable[[Solved], None] | None = None
         self._thread: threading.Thread | None = None
+        posing.progress = self._goes_on
 
     # ---- for Blender's thread
 
@@ -69,9 +71,10 @@ class Solving:
             self._wake()
 
     def hurry(self) -> None:
-        """Refine at once from now on: no more samples will come."""
+        """Refine at once from now on, dense drawings to the end: no more samples will come."""
         with self._changed:
             self._hurried = True
+            self._idle = self._thread is None  # it may have come to rest before that end
             self._changed.notify_all()
 
     def newest(self) -> Solved | None:
@@ -135,7 +138,10 @@ class Solving:
         try:
             while (sample := self._next()) is not None:
                 began = time.perf_counter()
-                self._posing.move(*sample)
+                try:
+                    self._posing.move(*sample)
+                except native.Cancelled:  # there is something newer to do
+                    continue
                 solved = self._posing.solved()
                 with self._changed:
                     self._took = time.perf_counter() - began
@@ -163,7 +169,9 @@ class Solving:
                     sample, self._newest = self._newest, None
                     return sample
                 path = self._posing.path
-                if not path or self._posing.settled:
+                # A drawing itself takes longer to refine than a hand rests in the middle of a drag.
+                enough = self._posing.settled or (self._posing.refines_slowly and not self._hurried)
+                if not path or enough:
                     self._idle, self._owing = True, False
                     self._changed.notify_all()
                     self._changed.wait()
@@ -172,6 +180,12 @@ class Solving:
                 else:
                     rested = not self._changed.wait(REST)
             return None
+
+    def _goes_on(self, _share: float) -> bool:
+        """Whether what is being refined is still what is to be done."""
+        with self._changed:
+            newer = self._restart or bool(self._route) or self._newest is not None
+            return not self._stopped and not newer
 
     def end(self) -> None:
         """Stop, and wait for the step under way."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cutouts import grid_cutout, pin
 
+from planar_deform.model.plane.cutout import make_cutout
 from planar_deform.model.posing import solver_cache, solving
 from planar_deform.model.posing.posing import Posing, carried_path
 from planar_deform.model.posing.solving import Solving, StoppedError
@@ -244,3 +245,77 @@ def test_a_quick_solver_is_waited_for_and_a_slow_one_is_not(gated, monkeypatch):
     assert not task.at_once((0.3, 0.0, 0.0)), "it goes on alone"
     gate.open.release()
     assert task.wait(SECONDS)
+
+
+def dense_posing():
+    """Of a drawing that is solved on a coarse mesh, until it settles."""
+    coarse = grid_cutout(60, 20)
+    cutout = make_cutout(coarse.rest, coarse.triangles, coarse.parts, None, 200)
+    make_poser = partial(solver_cache.poser_for, 1, cutout, "hold", cutout.rest)
+    return Posing(cutout, cutout.rest, [pin([0], key=0), pin([len(cutout.rest) - 1], key=1)], {1}, make_poser)
+
+
+def at_rest(task):
+    clock = threading.Event()
+    for _ in range(int(SECONDS / 0.005)):
+        solved = task.newest()
+        if solved is not None:
+            last = solved
+        if task.settled:
+            return last
+        clock.wait(0.005)
+    raise AssertionError("it does not come to rest")
+
+
+def test_a_dense_drawing_is_solved_itself_only_when_no_more_samples_will_come():
+    posing = dense_posing()
+    task = Solving(posing)
+    task.ask((0.0, 8.0, 0.0))
+    resting = at_rest(task)
+    assert resting.report.coarse_settled
+    assert not resting.report.converged
+    task.ask((0.0, 9.0, 0.0))  # the drag goes on
+    resting = at_rest(task)
+    assert resting.report.coarse_settled
+    assert not resting.report.converged
+    task.hurry()
+    last = at_rest(task)
+    assert last.report.converged
+    script = dense_posing()
+    for sample in last.path:
+        script.move(*sample)
+    assert script.settled
+    assert np.array_equal(script.positions, last.positions)
+
+
+@pytest.mark.parametrize("stop", [True, False])
+def test_whoever_wants_something_else_never_waits_for_a_dense_drawing(stop):
+    posing = dense_posing()
+    task = Solving(posing)
+    task.ask((0.0, 8.0, 0.0))
+    resting = at_rest(task)
+    asked, answer = threading.Semaphore(0), threading.Semaphore(0)
+    goes_on = posing.progress
+
+    def progress(share):
+        asked.release()
+        assert answer.acquire(timeout=SECONDS)
+        return goes_on(share)
+
+    posing.progress = progress
+    task.hurry()
+    assert asked.acquire(timeout=SECONDS)
+    if stop:
+        task.stop()
+    else:
+        task.ask((0.0, 9.0, 0.0))
+    answer.release(1000)
+    if stop:
+        task.end()
+        assert np.array_equal(posing.positions, resting.positions)
+        assert posing.path == resting.path
+    else:
+        last = at_rest(task)
+        assert last.report.converged
+        assert last.path[: len(resting.path)] == resting.path
+        assert last.path[len(resting.path)] == (0.0, 9.0, 0.0)
