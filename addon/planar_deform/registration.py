@@ -37,7 +37,7 @@ from .operators import (
 )
 from .scene import properties
 from .ui import menus
-from .ui.draw import cutout_preview, gestures, mesh_edges, onion_skin, quality
+from .ui.draw import cutout_preview, depth_tint, gestures, mesh_edges, onion_skin, quality
 from .ui.panels import (
     bake_panel,
     flatten_panel,
@@ -84,6 +84,7 @@ MODULES = (
     pose_tool,
     gestures,
     quality,
+    depth_tint,
     mesh_edges,
     cutout_preview,
     onion_skin,

@@ -8,7 +8,7 @@ import math
 import bpy
 import numpy as np
 
-from ...scene.image import file_state
+from ...scene.image import blended_materials, file_state
 from ...scene.lattice.posed import posing_refusal
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
@@ -205,6 +205,9 @@ def _draw_pin(
         split.alignment = "RIGHT"
         split.label(text="Turned")
         split.label(text=f"{math.degrees(place.angle):.1f}°")
+    if any(seen.depths.values()) and blended_materials.blended(obj):
+        lines(column, "EEVEE blends a material, in which depths do not count", "ERROR", context)
+        column.operator("planar.dither_materials", icon="MATERIAL")
     gap = unreached(seen).get(index)
     if gap is not None:
         lines(layout, f"{gap:.4g} away from its target", "ERROR", context)
