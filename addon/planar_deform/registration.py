@@ -39,7 +39,7 @@ from .operators import (
 )
 from .scene import properties
 from .ui import menus
-from .ui.draw import cutout_preview, gestures, mesh_edges, onion_skin, quality
+from .ui.draw import cutout_preview, depth_tint, gestures, mesh_edges, onion_skin, quality
 from .ui.panels import (
     bake_panel,
     flatten_panel,
@@ -89,6 +89,7 @@ MODULES = (
     pose_tool,
     gestures,
     quality,
+    depth_tint,
     mesh_edges,
     cutout_preview,
     onion_skin,

@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, FloatProperty
 
 from ..model.posing import solving
 from ..model.posing.depths import DEEPEST
+from ..scene.image import blended_materials
 from ..scene.objects.flat_object import make_current
 from ..scene.pins import pin_depths
 from .keying import auto_key
@@ -50,4 +51,18 @@ class PLANAR_OT_set_depth(PosingOperator, bpy.types.Operator):
         reports.inform(self, auto_key(context))
 
 
-CLASSES = (PLANAR_OT_set_depth,)
+class PLANAR_OT_dither_materials(PosingOperator, bpy.types.Operator):
+    bl_idname = "planar.dither_materials"
+    bl_label = "Dither Materials"
+    bl_description = "Let EEVEE dither the object's materials instead of blending them, so that depths count"
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return blended_materials.refusal(context.object)
+
+    def apply(self, context: bpy.types.Context) -> None:
+        count = blended_materials.dither(context.object)
+        reports.inform(self, f"{count} {'material is' if count == 1 else 'materials are'} dithered")
+
+
+CLASSES = (PLANAR_OT_set_depth, PLANAR_OT_dither_materials)

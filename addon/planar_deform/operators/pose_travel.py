@@ -206,7 +206,7 @@ def _show(
     depths: Array | None = None,
 ) -> None:
     if depths is not None and isinstance(drawing, CutoutObject):
-        drawing.write(positions, drawing.raised(depths))
+        drawing.write_with(positions, depths)
     else:
         drawing.write(positions)
     if not isinstance(drawing, LatticeObject):

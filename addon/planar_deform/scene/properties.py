@@ -214,8 +214,8 @@ class PlanarPin(bpy.types.PropertyGroup):
     depth: FloatProperty(
         name="Depth",
         description=(
-            "How far in front of the rest of the drawing it is here, below 0 behind, where the drawing lies on "
-            "itself. Another one is given to all selected pins"
+            "How far in front of the rest of the drawing it is here, below 0 behind, where the drawing "
+            "lies on itself. Another one is given to all selected pins"
         ),
         min=-DEEPEST,
         max=DEEPEST,

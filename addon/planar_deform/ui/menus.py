@@ -64,6 +64,7 @@ class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
         column.operator("planar.set_pin_radius")
         column.operator("planar.set_depth")
         draw_depths(column)
+        column.operator("planar.dither_materials", icon="MATERIAL")
         column.separator()
         column.operator("planar.disable_pins", icon="UNPINNED")
         column.operator("planar.enable_pins", icon="PINNED")

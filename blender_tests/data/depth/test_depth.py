@@ -314,3 +314,14 @@ def test_a_lattice_is_refused():
     bpy.context.scene.collection.objects.link(lattice)
     activate(lattice)
     assert not bpy.ops.planar.set_depth.poll()
+
+
+def test_blended_materials_are_dithered_by_one_click():
+    obj = bar()
+    material = bpy.data.materials.new("Ink")
+    obj.data.materials.append(material)
+    material.surface_render_method = "BLENDED"
+    activate(obj)
+    assert bpy.ops.planar.dither_materials() == {"FINISHED"}
+    assert material.surface_render_method == "DITHERED"
+    assert not bpy.ops.planar.dither_materials.poll()

@@ -10,7 +10,7 @@ namespace planar {
 ///
 /// The weights are cotangents at rest, clamped at 0 where Delaunay's condition fails. So each value is a mean
 /// of its neighbours', and none is beyond those that are held. Where all edges fulfil the condition, a linear
-/// function on them is met exactly.
+/// function on them is met.
 ///
 /// \param rest n×2
 ///

@@ -89,7 +89,7 @@ class Transfer:
                 chunk = [source.rest, *frames[start : start + CHUNK]]
                 moved = native.transfer_motion(chunk, receiver.rest * side, **source.elements)
                 shapes += [
-                    receiver.coordinates(positions * side, _raised(source, receiver, self._shapes[number]))
+                    _shape(receiver, positions * side, source, self._shapes[number])
                     for number, positions in enumerate(moved[1:], start)
                 ]
             result.append(shapes)
@@ -141,11 +141,11 @@ class Transfer:
             setattr(obj.planar, name, getattr(source.planar, name))
 
 
-def _raised(source: AnyObject, receiver: AnyObject, shape: Array32) -> Array | None:
-    """What gives a receiver the depths of a shape of the source; lines and lattices have none."""
+def _shape(receiver: AnyObject, positions: Array, source: AnyObject, like: Array32) -> Array32:
+    """The shape in which a receiver shows positions, with the depths of a shape of the source."""
     if isinstance(source, CutoutObject) and isinstance(receiver, CutoutObject):
-        return receiver.raised(source.depths_of(shape))
-    return None
+        return receiver.coordinates_with(positions, source.depths_of(like))
+    return receiver.coordinates(positions)
 
 
 def _pin_alike(source: bpy.types.Object, obj: bpy.types.Object) -> None:

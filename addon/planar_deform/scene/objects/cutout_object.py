@@ -209,10 +209,6 @@ class CutoutObject(FlatObject):
         """The same of any shape of the object, see storage/points.py."""
         return self._depths_of(shape.astype(np.float64))
 
-    def raised(self, depths: Array) -> Array:
-        """How far to raise the points from where they are, in write() and coordinates(), to n depths."""
-        return (depths - self.depths) * self._depth_unit
-
     @property
     def distortion(self) -> native.Distortion:
         """Of the shape shown."""
@@ -338,9 +334,25 @@ class CutoutObject(FlatObject):
 
     # -- depth
 
+    def coordinates_with(self, positions: Array, depths: Array) -> Array32:
+        """As coordinates(), with the points at n depths. Raises Refusal beyond what Blender can store."""
+        return self._with_depths(self.coordinates(positions), depths, np.ones_like(self._share))
+
+    def write_with(self, positions: Array, depths: Array) -> None:
+        """As write(), with the points at n depths; one that has its own keeps its bits. Raises Refusal."""
+        placed = self._placed(self._store.begin, self.positions, positions, self._share)
+        self._put(self._with_depths(placed, depths, self._share))
+
+    def _with_depths(self, shape: Array32, depths: Array, share: Array) -> Array32:
+        raised = (depths - self.depths) * self._depth_unit
+        result, old = shape.copy(), shape[self._used, :3]
+        placed = (old + np.outer(raised, self._inverse @ self.frame.n) / share).astype(np.float32)
+        result[self._used, :3] = np.where((raised != 0.0)[:, None], placed, old)
+        return result
+
     @cached_property
     def _depth_unit(self) -> float:
-        """How far along the normal a depth of 1 raises a point: towards the side that shows the faces' fronts.
+        """How far along the normal a depth of 1 raises a point: towards the side of the faces' fronts.
 
         An object that is mirrored shows them on the other side of its frame.
         """
@@ -364,7 +376,8 @@ class CutoutObject(FlatObject):
         above = heights - rest
         means = part_means(above, self.parts)
         away = np.abs(means) > 1.5 * DEEPEST * abs(self._depth_unit)
-        return above - np.where(away, means, 0.0)[self.parts]
+        result: Array = above - np.where(away, means, 0.0)[self.parts]
+        return result
 
     def _frame_shown(self, plane: PlaneFrame, world: Array) -> PlaneFrame:
         """The frame of n x 3 points in world-linear space that this plane fits best: without their depths.

@@ -148,13 +148,13 @@ class FlatObject:
             )
         return self.from_local(places)
 
-    def coordinates(self, positions: Array, raised: Array | None = None) -> Array32:
+    def coordinates(self, positions: Array) -> Array32:
         """The shape, see storage/points.py, in which the object shows n x 2 positions.
 
-        `raised`: how far (n,) along the normal beyond where it is. Raises Refusal beyond what Blender can store.
+        Raises Refusal beyond what Blender can store.
         """
         shown = self._store.shown.astype(np.float32)
-        return self._placed(shown, self.positions, positions, np.ones_like(self._share), raised)
+        return self._placed(shown, self.positions, positions, np.ones_like(self._share))
 
     def moved(self, shape: Array32, positions: Array) -> Array32:
         """Any shape of the object with its points of the plane taken to n x 2 positions.
@@ -166,13 +166,13 @@ class FlatObject:
 
     # -- writing
 
-    def write(self, positions: Array, raised: Array | None = None) -> None:
+    def write(self, positions: Array) -> None:
         """Show n x 2 positions: in the object itself, through the posed shape key, or in the pose sequence.
 
         A vertex that is where it was keeps its bits. Positions of a drag are always told from the start.
-        `raised`: as in coordinates(). Raises Refusal, with nothing changed, beyond what Blender can store.
+        Raises Refusal, with nothing changed, beyond what Blender can store.
         """
-        self._put(self._placed(self._store.begin, self.positions, positions, self._share, raised))
+        self._put(self._placed(self._store.begin, self.positions, positions, self._share))
 
     def show(self, shape: Array32) -> None:
         """Show a shape, see storage/points.py, of an object with a pose sequence."""
@@ -195,15 +195,10 @@ class FlatObject:
             raise ObjectGone(f"The shape keys of '{self.object_name}' have changed")
         return obj
 
-    def _placed(
-        self, begin: Array32, start: Array, positions: Array, share: Array, raised: Array | None = None
-    ) -> Array32:
+    def _placed(self, begin: Array32, start: Array, positions: Array, share: Array) -> Array32:
         offsets = positions - start
         moved = (offsets[:, 0] != 0.0) | (offsets[:, 1] != 0.0)
         lift = np.stack([self.frame.u, self.frame.v], axis=1)
-        if raised is not None:
-            offsets, moved = np.column_stack([offsets, raised]), moved | (raised != 0.0)
-            lift = np.column_stack([lift, self.frame.n])
         shape, old = begin.copy(), begin[self._used, :3]
         with np.errstate(over="ignore"):  # float64 until it is stored
             placed = (old + mapped(offsets, self._inverse @ lift) / share).astype(np.float32)

@@ -7,6 +7,7 @@ does not see it, see objects/cutout_object.py.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Collection
 
 import bpy
@@ -19,6 +20,17 @@ from ...model.posing.pins import Holder
 from ..objects import cutout_object, modifiers
 from ..storage import changes
 from . import pin_list
+
+SHOWN = 2.0  # seconds for which a change is shown in colours
+
+_given: tuple[int, float] | None = None  # the session_uid of the object changed last, and when
+
+
+def seconds_shown(obj: bpy.types.Object) -> float:
+    """For how long the depths of an object are still to be shown; not above 0 where they are not."""
+    if _given is None or _given[0] != obj.session_uid:
+        return 0.0
+    return SHOWN - (time.monotonic() - _given[1])
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
@@ -47,6 +59,7 @@ def depth_shown(obj: bpy.types.Object, key: int) -> float:
 
 def give(obj: bpy.types.Object, chosen: Collection[int], depth: float, *, relative: bool = False) -> None:
     """Give the pins with these indices a depth, or add it to theirs. Raises Refusal, with nothing changed."""
+    global _given
     reason = refusal(obj)
     if reason is not None:
         raise Refusal(reason)
@@ -65,5 +78,6 @@ def give(obj: bpy.types.Object, chosen: Collection[int], depth: float, *, relati
         depths = spread(drawing.cutout, holders, asked, drawing.depths)
     except native.SolveError as error:
         raise Refusal(str(error)) from error
-    drawing.write(drawing.positions, drawing.raised(depths))
+    drawing.write_with(drawing.positions, depths)
     changes.tell_pose(obj)
+    _given = obj.session_uid, time.monotonic()

@@ -284,10 +284,8 @@ class _Undo:
         self._active = _active_eval_time(obj)
         self._active_pose = settings.active_pose
         self._poses = [(pose.at, record_of(pose)) for pose in settings.poses]
-        self._before = {
-            name: getattr(settings, name)
-            for name in ("curve_before", "anchor_path", "smooth", "depth_between")
-        }
+        names = "curve_before", "anchor_path", "smooth", "depth_between"
+        self._before = {name: getattr(settings, name) for name in names}
         self._curve = pose_curve.SavedCurve(keys)
         self._still = False
         self._removed: list[_Stored] = []

@@ -93,7 +93,7 @@ class Stamps:
 
 
 def depths_held(obj: bpy.types.Object) -> bool:
-    """Whether in-betweens have the depths of the pose before: of points of a drawing, which alone have some."""
+    """Whether in-betweens have the depths of the pose before: those of a drawing, as nothing else has any."""
     return bool(obj.type == "MESH" and obj.planar.depth_between == "HELD")
 
 

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...model.posing.pins import AS_AT_REST
-from ...scene.image import file_state
+from ...scene.image import blended_materials, file_state
 from ...scene.lattice.posed import posing_refusal
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
@@ -212,6 +212,9 @@ def _draw_pin(
         split.label(text="Turned")
         grown = f", Scaled {place.scale:.2f}" if abs(place.scale - 1.0) >= AS_AT_REST else ""
         split.label(text=f"{math.degrees(place.angle):.1f}°{grown}")
+    if any(seen.depths.values()) and blended_materials.blended(obj):
+        lines(column, "EEVEE blends a material, in which depths do not count", "ERROR", context)
+        column.operator("planar.dither_materials", icon="MATERIAL")
     gap = unreached(seen).get(index)
     if gap is not None:
         lines(layout, f"{gap:.4g} away from its target", "ERROR", context)
