@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from drawings import character
 from figures import (
     BODY,
     EYE,
@@ -21,7 +22,9 @@ from figures import (
     shown,
 )
 from mathutils import Vector
-from support import coordinates, evaluated
+from support import TRANSFORMS, activate, coordinates, evaluated, in_edit_mode, make_object, measured
+
+from planar_deform.scene.pins import pin_list
 
 HELD = 1e-3  # of the diagonal
 
@@ -151,6 +154,50 @@ def test_a_joint_that_is_off_lets_go():
     obj.planar.pins[0].enabled = True
     bpy.ops.planar.settle_pose()
     assert max(gaps(obj).values()) < HELD
+
+
+@pytest.mark.parametrize("transform", TRANSFORMS)
+def test_it_holds_wherever_the_drawing_stands(transform):
+    obj = figure(cell=0.2, parented=False)
+    obj.matrix_world = TRANSFORMS[transform]
+    assert bpy.ops.planar.attach() == {"FINISHED"}
+    np.testing.assert_allclose(joint_places(obj), sorted([NECK, SHOULDER, WRIST]), atol=0.15)
+    pin_at(obj, (1.0, 2.0), "Chest", kind="PATCH")
+    size = shown(obj)[1].cutout.diagonal
+    drag(obj, "Chest", (0.1 * size, 0.05 * size), angle=0.3)
+    assert max(gaps(obj).values()) < HELD
+    assert turned_by(obj, 3)[0] == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["horse", "giraffe"])
+def test_a_real_drawing_cut_into_layers_hangs_together_again(name):
+    whole = character(name)
+    places = coordinates(whole.data.vertices)
+    faces = [list(face.vertices) for face in whole.data.polygons]
+    middles = np.array([places[face].mean(axis=0)[1] for face in faces])
+    low, high = np.quantile(middles, (0.45, 0.6))
+    upper = [face for face, middle in zip(faces, middles, strict=True) if middle > low]
+    lower = [face for face, middle in zip(faces, middles, strict=True) if middle < high]
+    layers = [make_object(places, part, name=name) for part in (upper, lower)]
+    for number, layer in enumerate(layers):
+        layer.matrix_world = whole.matrix_world
+        layer.location.y -= 0.01 * number
+    activate(layers[0])
+    layers[1].select_set(True)
+    bpy.ops.object.join()
+    obj = bpy.context.object
+    in_edit_mode(obj, lambda: bpy.ops.mesh.delete_loose())
+    bpy.context.view_layer.update()
+    assert bpy.ops.planar.attach() == {"FINISHED"}
+    top = int(np.argmax(coordinates(obj.data.vertices)[:, 1]))
+    near = np.argsort(
+        np.linalg.norm(coordinates(obj.data.vertices) - coordinates(obj.data.vertices)[top], axis=1)
+    )
+    pin_list.add_on_vertices(obj, near[:12].tolist(), "PATCH").name = "Top"
+    size = shown(obj)[1].cutout.diagonal
+    drag(obj, "Top", (0.1 * size, -0.1 * size), angle=0.4)
+    assert max(gaps(obj).values()) < HELD
+    assert measured(obj).triangle_area.max() < 2.5  # it goes along, instead of being torn
 
 
 def test_joints_are_no_handles():
