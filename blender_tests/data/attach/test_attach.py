@@ -260,6 +260,25 @@ def test_a_hinge_becomes_a_weld_and_a_hinge_again():
     assert bent[1] < 0.1 * bent[0]  # the wrist gives, not the arm
 
 
+def test_a_weld_has_a_radius():
+    obj = pinned()
+    bpy.ops.planar.select_pins(action="SELECT", pin=0)
+    before = joint_places(obj)
+    counts = []
+    for radius in (0.2, 0.35):
+        assert bpy.ops.planar.set_weld_radius(radius=radius * SIZE) == {"FINISHED"}
+        group = obj.vertex_groups[obj.planar.pins[0].group].index
+        counts.append(sum(group in {one.group for one in vertex.groups} for vertex in obj.data.vertices))
+    assert kinds(obj).count("WELD") == 1
+    assert 6 < counts[0] < counts[1]
+    np.testing.assert_allclose(joint_places(obj), before, atol=0.1)
+    drag(obj, "Chest", (0.05, 0.0), angle=0.3)
+    assert max(gaps(obj).values()) < HELD
+    bpy.ops.planar.select_pins(action="SELECT", pin=3)  # the chest
+    with pytest.raises(RuntimeError, match="click one first"):
+        bpy.ops.planar.set_weld_radius(radius=0.01)
+
+
 def test_attach_and_detach_say_why_nothing_happens():
     figure(BODY)
     with pytest.raises(RuntimeError, match="all one part"):
