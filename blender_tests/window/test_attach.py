@@ -68,7 +68,10 @@ def test_a_pin_takes_what_hangs_on_its_part_along(window: Window) -> Iterator[No
     bpy.ops.planar.attach()
     bpy.ops.planar.add_pin(location=LEFT)
     bpy.ops.ed.undo_push(message="Attached")
+    yield from window.sidebar()
+    bpy.context.object.planar.active_pin = 0
     yield from window.wait(0.3)
+    window.picture("joint_in_the_list")
     before = shape()
     yield from window.drag(window.pixel(LEFT), window.pixel((-1.5, 0.0, 0.5)))
     yield from window.wait(0.5)

@@ -8,7 +8,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
 from ..errors import Refusal
-from ..model.plane.frame import Indices
+from ..model.plane.frame import Array, Indices
 from ..model.posing import attaching, joints
 from ..model.posing.attaching import Attachment
 from ..scene.objects.cutout_object import CutoutObject, begin
@@ -21,6 +21,7 @@ from .posing_operator import PosingOperator
 ONE_PART = (
     "The drawing is all one part: join the layers that hang together as one object (Ctrl-J), or select others"
 )
+NEW_RADIUS = 0.05  # of a weld, of the diagonal
 
 
 class JointOperator(PosingOperator):
@@ -60,7 +61,7 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
         for pin in obj.planar.pins:
             pin.select = False
         for attachment in found:
-            _add(obj, drawing, attachment, _held_by(drawing, attachment)).select = True
+            _add(obj, drawing, attachment, _reach(drawing, attachment)).select = True
         hinges = sum(not attachment.rigid for attachment in found)
         self.report(
             {"INFO"}, f"Attached by {_counted(hinges, 'hinge')} and {_counted(len(found) - hinges, 'weld')}"
@@ -108,14 +109,43 @@ class PLANAR_OT_add_joint(JointOperator, bpy.types.Operator):
         ]
         if not below:
             raise Refusal("No other part lies there at rest: add the joint where two parts lie on each other")
-        rigid = self.kind == "WELD"
-        attachment = Attachment(below[0], part, place, rigid)
-        radius = self.radius or drawing.cutout.diagonal / 20.0
-        joint = _add(obj, drawing, attachment, _within(drawing, attachment, radius))
+        joint = _add(obj, drawing, Attachment(below[0], part, place, self.kind == "WELD"), self.radius)
         if not self.extend:
             for pin in obj.planar.pins:
                 pin.select = False
         joint.select = True
+
+
+class PLANAR_OT_set_weld_radius(JointOperator, bpy.types.Operator):
+    bl_idname = "planar.set_weld_radius"
+    bl_label = "Set Weld Radius"
+    bl_description = (
+        "Make welds of the selected joints: each holds what of its parts is within a radius at rest"
+    )
+
+    radius: FloatProperty(
+        name="Radius",
+        description="How far from it a weld holds vertices, at rest; 0: a twentieth of the drawing",
+        subtype="DISTANCE",
+        unit="LENGTH",
+        min=0.0,
+    )
+
+    def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
+        cutout = drawing.cutout
+        found = [
+            joint for joint in joint_list.bound_joints(obj, drawing) if obj.planar.pins[joint.key].select
+        ]
+        if not found:
+            raise Refusal("No joints that hold two parts are selected: click one first")
+        held = [
+            _welded(drawing, joint.parts, joint.place(cutout.rest, cutout.triangles), self.radius)
+            for joint in found
+        ]
+        for joint, rows in zip(found, held, strict=True):
+            pin = obj.planar.pins[joint.key]
+            pin_list.rebind(obj, pin, drawing.vertex_indices[rows], np.ones(len(rows)))
+            pin.kind = "WELD"
 
 
 class PLANAR_OT_detach(PinListOperator, bpy.types.Operator):
@@ -133,37 +163,40 @@ class PLANAR_OT_detach(PinListOperator, bpy.types.Operator):
 
 
 def _add(
-    obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment, rows: Indices
+    obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment, radius: float
 ) -> bpy.types.PropertyGroup:
-    """Add a joint; a weld holds these rows."""
+    """Add a joint; a weld holds what is within the radius. Raises Refusal."""
     parts = (attachment.carrier, attachment.carried)
     if attachment.rigid:
-        if joints.bound(0, "WELD", rows, np.ones(len(rows)), drawing.cutout) is None:
-            raise Refusal("Fewer than two vertices lie on the other part there: make the radius larger")
+        rows = _welded(drawing, parts, attachment.place, radius)
         return joint_list.add(obj, "WELD", drawing.vertex_indices[rows], np.ones(len(rows)))
     rows, weights = joints.hinge_binding(drawing.cutout, parts, attachment.place)
     return joint_list.add(obj, "HINGE", drawing.vertex_indices[rows], weights)
 
 
-def _held_by(drawing: CutoutObject, attachment: Attachment) -> Indices:
-    """What a weld holds of a part that lies on another: all of it, and what of the other lies under it."""
-    reach = drawing.cutout.rest[drawing.parts == attachment.carried] - attachment.place
-    return _within(drawing, attachment, float(np.linalg.norm(reach, axis=1).max()))
+def _reach(drawing: CutoutObject, attachment: Attachment) -> float:
+    """How far the carried part reaches from its joint, at rest."""
+    arms = drawing.cutout.rest[drawing.parts == attachment.carried] - attachment.place
+    return float(np.linalg.norm(arms, axis=1).max())
 
 
-def _within(drawing: CutoutObject, attachment: Attachment, radius: float) -> Indices:
-    """Rows of both parts within a radius at rest, and of each the corners of the triangle at the place."""
+def _welded(drawing: CutoutObject, parts: tuple[int, int], place: Array, radius: float) -> Indices:
+    """What a weld holds at a place: rows of both parts within a radius at rest (0: that of a new one), and of
+    each the corners of the triangle there. Raises Refusal.
+    """
     cutout = drawing.cutout
-    parts = (attachment.carrier, attachment.carried)
     near = np.isin(cutout.parts, parts)
-    near &= np.linalg.norm(cutout.rest - attachment.place, axis=1) <= radius
+    near &= np.linalg.norm(cutout.rest - place, axis=1) <= (radius or NEW_RADIUS * cutout.diagonal)
     for part in parts:
-        near[cutout.triangles[joints.point_on(cutout, part, attachment.place).triangle]] = True
-    return np.flatnonzero(near).astype(np.int32)
+        near[cutout.triangles[joints.point_on(cutout, part, place).triangle]] = True
+    rows = np.flatnonzero(near).astype(np.int32)
+    if joints.bound(0, "WELD", rows, np.ones(len(rows)), cutout) is None:
+        raise Refusal("Fewer than two vertices lie on the other part there: make the radius larger")
+    return rows
 
 
 def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}" + "s" * (count != 1)
 
 
-CLASSES = (PLANAR_OT_attach, PLANAR_OT_add_joint, PLANAR_OT_detach)
+CLASSES = (PLANAR_OT_attach, PLANAR_OT_add_joint, PLANAR_OT_set_weld_radius, PLANAR_OT_detach)

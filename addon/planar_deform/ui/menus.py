@@ -45,6 +45,7 @@ class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
         column.operator("planar.attach", icon="LINKED")
         joint = column.operator("planar.add_joint", text="Add Joint at 3D Cursor")
         joint.location = context.scene.cursor.location
+        column.operator("planar.set_weld_radius")
         column.operator("planar.detach", icon="UNLINKED")
         column.separator()
         column.operator("planar.drag_pins")

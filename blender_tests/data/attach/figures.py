@@ -12,7 +12,7 @@ HAND = (4.1, 2.9, 0.8, 0.6, 0.2)
 HEAD = (0.6, 3.6, 0.8, 1.4, -0.1)
 EYE = (0.9, 4.4, 0.2, 0.2, 0.3)
 FIGURE = (BODY, ARM, HAND, HEAD)
-SHOULDER, WRIST, NECK = (1.6, 3.2), (4.28, 3.2), (1.0, 3.8)
+SHOULDER, WRIST, NECK = (1.6, 3.2), (4.25, 3.2), (1.0, 3.8)
 SIZE = 0.1  # of the object's scale
 
 

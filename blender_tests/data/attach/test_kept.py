@@ -196,7 +196,7 @@ def test_a_weight_says_which_joint_gives_way():
     apart = {}
     for weight in (1.0, 1e-3):
         obj = pinned()
-        pin_at(obj, (4.6, 3.2), "Hand", kind="PATCH", radius=0.25)
+        pin_at(obj, (4.68, 3.2), "Hand", kind="PATCH", radius=0.2)
         wrist = obj.planar.pins[
             int(np.argmax([pin.kind == "HINGE" and far(obj, pin) for pin in obj.planar.pins]))
         ]
