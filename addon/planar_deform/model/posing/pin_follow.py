@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Pin
-from .posing import RAMP_SAMPLES, Poser, Posing, Sample
+from .posing import RAMP_SAMPLES, MakePoser, Posing, Sample
 
 STEP = 0.02  # of the size of what is posed, that a pin goes at once, unless the way is too long for that
 
@@ -27,7 +27,7 @@ class PinFollow(Posing):
         positions: Array,
         pins: Iterable[Pin],
         goals: Mapping[int, Array],
-        make_poser: Callable[[], Poser],
+        make_poser: MakePoser,
     ):
         super().__init__(cutout, positions, pins, goals, make_poser)
         self._goals = goals

@@ -14,6 +14,7 @@ import numpy as np
 from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
+from ..work import Progress
 
 CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
 
@@ -45,16 +46,26 @@ def kept(key: int, recipe: Recipe, make: Callable[[], Solver]) -> Solver:
     return solver
 
 
-def poser_for(key: int, cutout: Cutout, method: native.Method, positions: Array) -> native.Poser:
+def poser_for(
+    key: int,
+    cutout: Cutout,
+    method: native.Method,
+    positions: Array,
+    *,
+    progress: Progress | None = None,
+) -> native.Poser:
     """A solver for the object with this key, standing at n x 2 `positions`.
 
     It is always reset, so that a posing gives the same bits whether or not the solver was there before.
+    `progress` is asked while a coarse mesh is made for it; False from it raises native.Cancelled.
     """
     rest, triangles, stiffness, cage = cutout.rest, cutout.triangles, cutout.stiffness, cutout.cage
     poser = kept(
         key,
         (method, triangles, rest, stiffness, cage),
-        lambda: native.Poser(rest, triangles, method=method, stiffness=stiffness, cage=cage),
+        lambda: native.Poser(
+            rest, triangles, method=method, stiffness=stiffness, cage=cage, progress=progress
+        ),
     )
     poser.reset(positions)
     return poser

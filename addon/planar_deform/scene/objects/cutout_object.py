@@ -18,6 +18,7 @@ from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, fitted
 from ...model.posing import solver_cache
 from ...model.posing.pins import Holder
+from ...model.work import Progress
 from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness
@@ -214,9 +215,11 @@ class CutoutObject(FlatObject):
         """The triangles, m x 3."""
         return self.cutout.triangles
 
-    def poser(self, method: native.Method, positions: Array) -> native.Poser:
-        """A solver that stands at these positions. May be called in another thread."""
-        return solver_cache.poser_for(self.session_uid, self.cutout, method, positions)
+    def poser(
+        self, method: native.Method, positions: Array, *, progress: Progress | None = None
+    ) -> native.Poser:
+        """A solver that stands at these positions; see solver_cache. May be called in another thread."""
+        return solver_cache.poser_for(self.session_uid, self.cutout, method, positions, progress=progress)
 
     def plane_from_ray(self, origin: Array, direction: Array, pin: Holder | None = None) -> Array | None:
         """Where a world ray meets the plane in which a pin is moved, or the first part's (2,).
