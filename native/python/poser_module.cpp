@@ -136,7 +136,7 @@ with a rotation a triangle; triangles may turn over. pin_weight has no unit (Non
 with akvf it is the lambda squared of [AKVF 7]. stiffness is a positive factor per triangle, m.
 
 cage, 12 at least, is about how many vertices a coarse mesh has that is solved on in place of a larger one, which is carried
-along; handles, positions and report are those of the mesh itself. None solves on the mesh. With hold and up to 250000 vertices,
+along; handles, positions and report are those of the mesh itself. None solves on the mesh. With hold and up to 150000 vertices,
 refine and settle end with steps on the mesh itself. progress(share) is called while the coarse mesh is made; it answers True,
 False or None, and False raises Cancelled.
 

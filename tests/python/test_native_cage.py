@@ -47,6 +47,45 @@ def test_a_pose_stored_as_float32_is_gone_on_from():
     assert np.abs(poser.move(targets) - stored).max() < 1e-5
 
 
+def test_a_settled_mesh_is_at_its_own_minimum_and_is_gone_on_from_without_a_jump():
+    rest, triangles = dense_square()
+    targets = rest[PINS] + [[0.0, 0.0], [0.1, 0.3], [-0.2, 0.2]]
+    posed = []
+    for cage in (None, 200):
+        poser = planar_native.Poser(rest, triangles, cage=cage)
+        poser.set_handles(PINS)
+        poser.move(targets)
+        while not poser.report.converged and not poser.report.coarse_settled:
+            poser.refine()
+        assert poser.report.coarse_settled == (cage is not None)
+        coarse = poser.positions
+        posed.append(poser.settle())
+    assert np.abs(coarse - posed[0]).max() > 1e-3
+    assert np.abs(posed[1] - posed[0]).max() < 5e-5
+    poser.reset(posed[1].astype(np.float32))
+    assert np.abs(poser.move(targets) - posed[1]).max() < 1e-4
+    targets[1] += 1e-3
+    assert np.abs(poser.move(targets) - posed[1]).max() < 1.2e-3
+
+
+def test_what_takes_long_asks_whether_to_go_on():
+    rest, triangles = dense_square()
+    poser = planar_native.Poser(rest, triangles, cage=200)
+    poser.set_handles(PINS)
+    before = poser.move(rest[PINS] + [[0.0, 0.0], [0.1, 0.3], [-0.2, 0.2]])
+    with pytest.raises(planar_native.Cancelled):
+        poser.settle(progress=lambda share: False)
+    with pytest.raises(ValueError, match="progress: returned 'yes'"):
+        poser.settle(progress=lambda share: "yes")
+    assert (poser.positions == before).all()
+    shares = []
+    poser.settle(progress=shares.append)
+    assert poser.report.converged
+    assert 0.0 <= min(shares) <= max(shares) <= 1.0
+    with pytest.raises(planar_native.Cancelled):
+        planar_native.Poser(rest, triangles, cage=200, progress=lambda share: False)
+
+
 def test_a_mesh_that_is_small_enough_is_solved_as_it_is():
     rest, triangles = dense_square()
     posed = []

@@ -23,7 +23,7 @@ struct PoserOptions {
   Eigen::VectorXd stiffness{};  ///< m factors above 0 on the triangles' energy, or empty: all 1
 
   /// About so many vertices, 12 at least, of a coarse mesh to solve on in place of a larger one; empty: solve
-  /// on the mesh itself.
+  /// on the mesh itself. With hold and up to 150k vertices refine() and settle() end on the mesh itself.
   std::optional<int> cage{};
 
   /// Asked while a cage is made, which takes seconds for a million vertices.

@@ -34,8 +34,9 @@ class CageMethod final : public PosingMethod {
   using Make = std::function<std::unique_ptr<PosingMethod>(const Points&, const Triangles&,
                                                            const Orientation&, const Eigen::VectorXd&)>;
 
-  /// Vertices of a mesh that is solved itself in the end. Beyond, a step of it takes seconds, and a gigabyte.
-  static constexpr Eigen::Index most_polished = 250'000;
+  /// Vertices of a mesh that is solved itself in the end. Of 100k a few steps take a second,
+  /// and the factor 300 MB.
+  static constexpr Eigen::Index most_polished = 150'000;
 
   /// \param rest n×2
   /// \param centre what the positions given to the functions below are relative to

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from . import solved_shapes
 from .pins import Holder, Pin
-from .posing import RAMP_SAMPLES, Poser, Posing, Sample
+from .posing import RAMP_SAMPLES, MakePoser, Posing, Sample
 
 STEP = 0.1  # of the size of what is posed, that a pin goes at once, unless the way is too long for that
 TURN = 0.5  # radians that a patch turns at once, in the same way
@@ -39,7 +39,7 @@ class PinFollow(Posing):
         positions: Array,
         pins: Iterable[Pin],
         goals: Mapping[int, Goal],
-        make_poser: Callable[[], Poser],
+        make_poser: MakePoser,
     ):
         super().__init__(cutout, positions, pins, goals, make_poser)
         self._goals = goals

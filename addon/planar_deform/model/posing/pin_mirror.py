@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class PinMirror(Posing):
         positions: Array,
         pins: Sequence[tuple[str, Holder]],
         axis: int,
-        make_poser: Callable[[Array], native.Poser],
+        make_poser: Callable[..., native.Poser],
     ):
         self._pins = [holder for _, holder in pins]
         self._places = [holder.place(cutout.rest) for holder in self._pins]
@@ -65,7 +66,7 @@ class PinMirror(Posing):
         used = [handle.pin for handle in self._handles.values()]
         moving = np.isin(cutout.parts, [cutout.parts[pin.vertices[0]] for pin in used])
         start = np.where(moving[:, None], self._nearly(cutout), positions)
-        super().__init__(cutout, start, used, self._handles, lambda: make_poser(start))
+        super().__init__(cutout, start, used, self._handles, partial(make_poser, start))
 
     def run(self) -> None:
         """All the way, and until there is nothing left to do."""

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from .pins import Holder, Pin
-from .posing import RAMP_SAMPLES, Poser, Posing, Sample
+from .posing import RAMP_SAMPLES, MakePoser, Posing, Sample
 
 
 class PinReset(Posing):
@@ -24,7 +24,7 @@ class PinReset(Posing):
         positions: Array,
         pins: Iterable[Pin],
         moving: Iterable[int],
-        make_poser: Callable[[], Poser],
+        make_poser: MakePoser,
     ):
         used = list(pins)
         super().__init__(cutout, positions, used, moving, make_poser)

@@ -44,6 +44,12 @@ class Poser(Protocol):
     def settle(self) -> Array: ...
 
 
+class MakePoser(Protocol):
+    """Gives a solver that stands where a posing starts. `progress` is asked where making it takes long."""
+
+    def __call__(self, *, progress: Progress | None = None) -> Poser: ...
+
+
 @dataclass(frozen=True)
 class PinResult:
     """Where a posing left one pin."""
@@ -81,7 +87,7 @@ class Posing:
         positions: Array,
         pins: Iterable[Pin],
         moving: Iterable[int],
-        make_poser: Callable[[], Poser],
+        make_poser: MakePoser,
         pivot: Array | None = None,
     ):
         self._start = positions
@@ -94,8 +100,8 @@ class Posing:
         self._moving = frozenset(moving)
         self._starts = self._begun = [start_of(holder, positions) for holder in self._holders]
         self._scales = self._scales_begun = [start_scale_of(holder, positions) for holder in self._holders]
-        # Asked while a refinement takes longer than a move; where it answers False that raises
-        # native.Cancelled, and the posing is as it was before.
+        # Asked while something takes longer than a move, a refinement or making the solver; where it answers
+        # False that raises native.Cancelled, and the posing is as it was before.
         self.progress: Progress | None = None
         # Gives the shape (n x 2) in whose places the pins are that do not move, at the sample of a number;
         # None: they stay. Asked wherever it is solved, which may be in another thread.
@@ -148,7 +154,7 @@ class Posing:
         """
         sample = (float(np.float32(du)), float(np.float32(dv)), float(np.float32(angle)))
         if self._poser is None:
-            self._poser = self._make_poser()
+            self._poser = self._make_poser(progress=self.progress)
             self._set_handles(self._poser)
         if not self._play() and self.path and self.path[-1] == sample:
             slow = self.refines_slowly

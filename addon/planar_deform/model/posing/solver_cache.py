@@ -14,6 +14,7 @@ import numpy as np
 from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
+from ..work import Progress
 from .joints import Ties
 
 CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
@@ -47,17 +48,26 @@ def kept(key: int, recipe: Recipe, make: Callable[[], Solver]) -> Solver:
 
 
 def poser_for(
-    key: int, cutout: Cutout, method: native.Method, positions: Array, ties: Ties | None = None
+    key: int,
+    cutout: Cutout,
+    method: native.Method,
+    positions: Array,
+    ties: Ties | None = None,
+    *,
+    progress: Progress | None = None,
 ) -> native.Poser:
     """A solver for the object with this key, standing at n x 2 `positions`, its parts tied by joints if any.
 
     It is always reset, so that a posing gives the same bits whether or not the solver was there before.
+    `progress` is asked while a coarse mesh is made for it; False from it raises native.Cancelled.
     """
     rest, triangles, stiffness = cutout.rest, cutout.triangles, cutout.stiffness
     cage = cutout.cage if ties is None else None  # what joints hold is solved itself
 
     def make() -> native.Poser:
-        poser = native.Poser(rest, triangles, method=method, stiffness=stiffness, cage=cage)
+        poser = native.Poser(
+            rest, triangles, method=method, stiffness=stiffness, cage=cage, progress=progress
+        )
         if ties is not None:
             poser.set_joints(ties.first, ties.second, strength=ties.strength)
         return poser

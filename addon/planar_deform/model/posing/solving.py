@@ -182,8 +182,10 @@ class Solving:
             return None
 
     def _goes_on(self, _share: float) -> bool:
-        """Whether what is being refined is still what is to be done."""
+        """Whether what is under way is still wanted. A solver being made is for newer samples, too."""
         with self._changed:
+            if not self._posing.path:
+                return not self._stopped
             newer = self._restart or bool(self._route) or self._newest is not None
             return not self._stopped and not newer
 

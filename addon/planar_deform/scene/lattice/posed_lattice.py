@@ -17,6 +17,7 @@ from ...model.plane.locate import MeshPoint
 from ...model.plane.space import first_met, nearest_in_space
 from ...model.posing import solver_cache
 from ...model.posing.pins import Holder
+from ...model.work import Progress
 from ..objects.cutout_object import EDGE_ON
 from ..objects.flat_object import FlatObject
 from ..objects.pose_store import store_of
@@ -66,7 +67,9 @@ class PosedLattice(FlatObject):
         """The meshes' triangles, m x 3."""
         return self._shape.triangles
 
-    def poser(self, _method: native.Method, positions: Array) -> LatticePoser:
+    def poser(
+        self, _method: native.Method, positions: Array, *, progress: Progress | None = None
+    ) -> LatticePoser:
         """A solver that stands at these positions. May be called in another thread."""
         shape, axes, flat = self._shape, self._axes, self.flat
         recipe = (*shape.recipe, *(axes[:2] if flat else ()))

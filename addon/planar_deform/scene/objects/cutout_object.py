@@ -21,6 +21,7 @@ from ...model.posing import solver_cache
 from ...model.posing.depths import DEEPEST, DEPTH
 from ...model.posing.joints import Ties
 from ...model.posing.pins import Holder
+from ...model.work import Progress
 from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness
@@ -239,9 +240,18 @@ class CutoutObject(FlatObject):
         """The triangles, m x 3."""
         return self.cutout.triangles
 
-    def poser(self, method: native.Method, positions: Array, ties: Ties | None = None) -> native.Poser:
+    def poser(
+        self,
+        method: native.Method,
+        positions: Array,
+        ties: Ties | None = None,
+        *,
+        progress: Progress | None = None,
+    ) -> native.Poser:
         """A solver that stands at these positions, with joints if any. May be called in another thread."""
-        return solver_cache.poser_for(self.session_uid, self.cutout, method, positions, ties)
+        return solver_cache.poser_for(
+            self.session_uid, self.cutout, method, positions, ties, progress=progress
+        )
 
     def plane_from_ray(self, origin: Array, direction: Array, pin: Holder | None = None) -> Array | None:
         """Where a world ray meets the plane in which a pin is moved, or the first part's (2,).

@@ -60,7 +60,7 @@ def test_kept_poses_are_every_step_and_the_last(frame_step, kept):
         cutout.rest,
         [pin([9], key=0), pin([17], key=1)],
         {1},
-        lambda: solver_cache.poser_for(1, cutout, "hold", cutout.rest),
+        lambda **_options: solver_cache.poser_for(1, cutout, "hold", cutout.rest),
     )
     path = [(0.0, float(np.float32(0.2 * frame)), 0.0) for frame in range(6)]
     poses = Poses(path, frame_step)

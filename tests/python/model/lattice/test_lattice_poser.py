@@ -40,7 +40,7 @@ def begun(shape, *pins, moving, flat, model=Posing, axes=ASKEW):
     parts = np.repeat([0, 1], len(GRID.rest)).astype(np.int32)
     cutout = posed_cutout(rest, shape.triangles, parts, len(shape.points), flat=flat)
 
-    def make_poser():
+    def make_poser(*, progress=None):
         poser = LatticePoser(LatticePoser.solver(shape, axes, flat=flat), shape, axes, flat=flat)
         poser.reset(rest)
         return poser
@@ -116,7 +116,7 @@ def test_in_space_a_patch_that_was_turned_out_of_the_view_is_not_turned_back_whe
     rest = np.concatenate([shape.rest, shape.points]) @ aside.T
     cutout = posed_cutout(rest, shape.triangles, np.zeros(len(shape.rest), np.int32), 120, flat=False)
 
-    def make_poser():
+    def make_poser(*, progress=None):
         poser = LatticePoser(LatticePoser.solver(shape, aside, flat=False), shape, aside, flat=False)
         poser.reset(once @ aside.T)
         return poser
@@ -137,7 +137,7 @@ def test_in_space_a_patch_goes_back_to_rest_whatever_way_it_was_turned():
     rest = rest @ ASKEW @ aside.T
     cutout = posed_cutout(rest, shape.triangles, np.zeros(len(shape.rest), np.int32), 120, flat=False)
 
-    def make_poser():
+    def make_poser(*, progress=None):
         poser = LatticePoser(LatticePoser.solver(shape, aside, flat=False), shape, aside, flat=False)
         poser.reset(turned)
         return poser

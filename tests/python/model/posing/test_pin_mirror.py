@@ -23,7 +23,7 @@ def lopsided(nx=12, ny=4):
     return make_cutout(rest, grid.triangles, grid.parts)
 
 
-def solver(cutout, positions):
+def solver(cutout, positions, *, progress=None):
     poser = native.Poser(cutout.rest, cutout.triangles, method="hold")
     poser.reset(positions)
     return poser

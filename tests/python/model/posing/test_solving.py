@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cutouts import grid_cutout, pin
 
+from planar_deform import native
 from planar_deform.model.plane.cutout import make_cutout
 from planar_deform.model.posing import solver_cache, solving
 from planar_deform.model.posing.posing import Posing, carried_path
@@ -53,7 +54,7 @@ def gated():
     cutout = grid_cutout(12, 4)
     gate = Gate(solver_cache.poser_for(1, cutout, "hold", cutout.rest))
 
-    def make_poser():
+    def make_poser(*, progress=None):
         gate.poser.reset(cutout.rest)
         return gate
 
@@ -151,7 +152,7 @@ def test_what_is_shown_never_changes_afterwards():
 
 @pytest.mark.parametrize("place", ["make", "move"])
 def test_errors_of_the_thread_surface_and_it_ends(place):
-    def broken(*_):
+    def broken(*_, **_options):
         raise RuntimeError("no solver today")
 
     task = Solving(pose_action(broken))
@@ -159,7 +160,7 @@ def test_errors_of_the_thread_surface_and_it_ends(place):
         cutout = grid_cutout(12, 4)
         gate = Gate(solver_cache.poser_for(1, cutout, "hold", cutout.rest))
         gate.move = broken
-        task = Solving(pose_action(lambda: gate))
+        task = Solving(pose_action(lambda **_options: gate))
     task.ask((0.1, 0.0, 0.0))
     assert task.wait(SECONDS)
     for _ in range(2):
@@ -319,3 +320,31 @@ def test_whoever_wants_something_else_never_waits_for_a_dense_drawing(stop):
         assert last.report.converged
         assert last.path[: len(resting.path)] == resting.path
         assert last.path[len(resting.path)] == (0.0, 9.0, 0.0)
+
+
+def test_a_solver_that_takes_long_to_make_is_made_for_newer_samples_and_not_for_nobody():
+    asked, answer = threading.Semaphore(0), threading.Semaphore(0)
+    cutout = grid_cutout(12, 4)
+    made = []
+
+    def make_poser(*, progress):
+        made.append(None)
+        for _ in range(2):
+            asked.release()
+            assert answer.acquire(timeout=SECONDS)
+            if not progress(0.5):
+                raise native.Cancelled
+        return solver_cache.poser_for(1, cutout, "hold", cutout.rest, progress=progress)
+
+    task = Solving(pose_action(make_poser))
+    task.ask((0.1, 0.0, 0.0))
+    assert asked.acquire(timeout=SECONDS)
+    task.ask((0.2, 0.0, 0.0))
+    answer.release()
+    assert asked.acquire(timeout=SECONDS)
+    assert len(made) == 1
+    task.stop()
+    answer.release()
+    task.end()
+    with pytest.raises(StoppedError):
+        task.newest()
