@@ -51,7 +51,7 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
     def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
         cutout = drawing.cutout
         there = [joint.parts for joint in joint_list.bound_joints(obj, drawing)]
-        found = attaching.attachments(cutout, drawing.depths, there)
+        found = attaching.attachments(cutout, drawing.heights, there)
         if not found:
             raise Refusal(
                 "All parts that lie on each other hang together already"
@@ -104,7 +104,7 @@ class PLANAR_OT_add_joint(JointOperator, bpy.types.Operator):
         part, place = int(cutout.parts[corners[0]]), upper.weights @ cutout.rest[corners]
         below = [
             other
-            for other in drawing.parts_by_depth(part)
+            for other in drawing.parts_by_height(part)
             if joints.point_on(cutout, other, place).distance <= joints.ON * cutout.diagonal
         ]
         if not below:

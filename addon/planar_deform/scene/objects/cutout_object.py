@@ -300,13 +300,13 @@ class CutoutObject(FlatObject):
         return None
 
     @property
-    def depths(self) -> Array:
+    def heights(self) -> Array:
         """Of each part, across the plane."""
-        return self._depths
+        return self._heights
 
-    def parts_by_depth(self, part: int) -> list[int]:
-        """The other parts, those first that are nearest in depth."""
-        order = np.argsort(np.abs(self._depths - self._depths[part]), kind="stable")
+    def parts_by_height(self, part: int) -> list[int]:
+        """The other parts, those first that are nearest across the plane."""
+        order = np.argsort(np.abs(self._heights - self._heights[part]), kind="stable")
         return [other for other in order.tolist() if other != part]
 
     # -- writing
