@@ -67,7 +67,7 @@ class PLANAR_OT_remesh(CuttingSettings, LongOperator, bpy.types.Operator):
                 if chosen:
                     raise
                 self.source, told = "OUTLINE", f"; by its outline: {reason}"
-        current = source is not None and (self.reload or not file_state.is_changed(obj))
+        current = source is not None and (file_state.is_read(obj) or not file_state.is_changed(obj))
         remesh = Remesh(obj, now, source or remesh_source.of_outline(obj, now, self.settings()))
         summary = partial(self._summary, obj.name, len(drawing.rest), told)
         return Job(partial(self._write, remesh, current), remesh.solve, summary)

@@ -122,6 +122,36 @@ def test_a_file_that_cannot_be_read_takes_no_picture_away(tmp_path, content):
     assert bpy.ops.planar.remesh(reload=True) == {"FINISHED"}
 
 
+def test_what_was_painted_in_blender_is_not_lost(tmp_path):
+    obj, path = keyed(tmp_path)
+    image, before = bpy.data.images[0], stored(obj)
+    pixels = np.array(image.pixels)
+    pixels[:400] = 1.0
+    image.pixels.foreach_set(pixels.astype(np.float32))
+    assert image.is_dirty
+    repaint(path, letter())
+    with pytest.raises(RuntimeError, match="'hero.png' has been painted on in Blender"):
+        bpy.ops.planar.remesh(reload=True)
+    assert stored(obj) == before
+    assert np.array_equal(np.array(image.pixels), pixels)
+
+
+def test_what_was_read_for_one_object_is_read_for_the_other(tmp_path):
+    first, path = painted(tmp_path)
+    bpy.ops.object.duplicate()
+    second = bpy.context.object
+    repaint(path, letter()[::-1])
+    assert changed(first)
+    assert changed(second)
+    activate(first)
+    assert bpy.ops.planar.remesh(reload=True) == {"FINISHED"}
+    remesh(second, source="IMAGE", vertices=300)
+    assert covered(second, letter().shape)[letter()[::-1]].all()
+    from planar_deform.scene.image import file_state
+
+    assert not file_state.is_changed(second)
+
+
 def test_the_images_of_what_was_joined_are_looked_at_too(tmp_path):
     obj, _ = keyed(tmp_path)
     path = save(tmp_path, "dots.png", blobs((20, 30), (60, 90)))

@@ -20,6 +20,7 @@ from .reading import path_of
 LOOK = 1.0  # seconds between two looks at a file: panels ask in every redraw
 
 _seen: dict[str, tuple[float, str]] = {}  # by path: when it was looked at, and what it was
+_read: dict[str, str] = {}  # by the same: what the file was when it was read again
 
 
 def remember(obj: bpy.types.Object) -> None:
@@ -44,21 +45,37 @@ def size_before(obj: bpy.types.Object, image: bpy.types.Image) -> tuple[int, int
 
 
 def reload(obj: bpy.types.Object) -> None:
-    """Read the object's images again. Raises Refusal, with nothing changed, where one cannot be read."""
-    images = [
-        image
-        for image in images_of(obj)
-        if image.source in {"FILE", "SEQUENCE"} and image.packed_file is None
-    ]
+    """Read the object's images again.
+
+    Raises Refusal, with nothing changed, where one cannot be read or has pixels that no file has.
+    """
+    images = [image for image in _with_files(obj) if image.source in {"FILE", "SEQUENCE"}]
     for image in images:
+        if image.is_dirty:
+            raise Refusal(
+                f"'{image.name}' has been painted on in Blender, which is lost when its file is read: save "
+                "it first, in the Image Editor with Image > Save As"
+            )
         reading.check_readable(image)  # Blender would drop the pixels that it has
+    _seen.clear()
     for image in images:
         image.reload()
+        _read[str(path_of(image))] = _of_file(path_of(image))
+
+
+def is_read(obj: bpy.types.Object) -> bool:
+    """Whether Blender's pixels are surely those of the files: reload() has read them, of any object."""
+    paths = [path_of(image) for image in _with_files(obj) if image.source == "FILE"]
+    return all(_read.get(str(path)) == _of_file(path) for path in paths)
 
 
 def images_of(obj: bpy.types.Object) -> list[bpy.types.Image]:
     """The images that the object's materials show, each once."""
     return list(dict.fromkeys(node.image for node in _textures(obj)))
+
+
+def _with_files(obj: bpy.types.Object) -> list[bpy.types.Image]:
+    return [image for image in images_of(obj) if image.packed_file is None]
 
 
 def _textures(obj: bpy.types.Object) -> list[bpy.types.ShaderNodeTexImage]:
@@ -112,3 +129,4 @@ def _of_file(path: Path) -> str:
 def forget() -> None:
     """Keep none."""
     _seen.clear()
+    _read.clear()
