@@ -31,6 +31,7 @@ import attached  # noqa: E402
 import comparison  # noqa: E402
 import contact_sheet  # noqa: E402
 import cutout  # noqa: E402
+import depths  # noqa: E402
 import dragon  # noqa: E402
 import feet  # noqa: E402
 import film  # noqa: E402
@@ -114,6 +115,11 @@ def run(pictures: Path | None) -> None:
     images: dict[str, Image.Image] = {}  # for the docs
     for character in cast:
         obj = build(character)
+        if pictures and character.trials:  # of one layer, the tail of which reaches across its body
+            view = View.around(character.x + 0.25, -0.6, 5.2, 420, 340)
+            way = comparison.arc((4.6, -0.6), 3.0, -215)
+            cells = depths.crossing(obj, "Tail Fin", way, ("Tail", "Hind"), view, character.ground)
+            images["depth"] = contact_sheet.sheet("One layer, the tail across the body", [cells])
         for trial in character.trials:
             compared += compare(character, obj, trial)
         cells = perform(character, obj)
