@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
@@ -60,11 +62,13 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
             )
         for pin in obj.planar.pins:
             pin.select = False
+        welds = 0
         for attachment in found:
-            _add(obj, drawing, attachment, _reach(drawing, attachment)).select = True
-        hinges = sum(not attachment.rigid for attachment in found)
+            joint = _added(obj, drawing, attachment)
+            joint.select = True
+            welds += joint.kind == "WELD"
         self.report(
-            {"INFO"}, f"Attached by {_counted(hinges, 'hinge')} and {_counted(len(found) - hinges, 'weld')}"
+            {"INFO"}, f"Attached by {_counted(len(found) - welds, 'hinge')} and {_counted(welds, 'weld')}"
         )
 
 
@@ -172,6 +176,14 @@ def _add(
         return joint_list.add(obj, "WELD", drawing.vertex_indices[rows], np.ones(len(rows)))
     rows, weights = joints.hinge_binding(drawing.cutout, parts, attachment.place)
     return joint_list.add(obj, "HINGE", drawing.vertex_indices[rows], weights)
+
+
+def _added(obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment) -> bpy.types.PropertyGroup:
+    """Add a joint that has been found; a weld, which holds all of its part, where it can hold anything."""
+    try:
+        return _add(obj, drawing, attachment, _reach(drawing, attachment))
+    except Refusal:
+        return _add(obj, drawing, replace(attachment, rigid=False), 0.0)
 
 
 def _reach(drawing: CutoutObject, attachment: Attachment) -> float:

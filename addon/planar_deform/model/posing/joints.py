@@ -106,10 +106,9 @@ def bound(
     first, second = _stacked([(points[0], points[1]), *pairs])
     arms = np.einsum("kc,kcd->kd", first[1][1:], cutout.rest[cutout.triangles[first[0][1:]]])
     lever = float(((arms - at(cutout.rest, cutout.triangles, points[0])) ** 2).sum())
-    loose = LOOSE * (LEVER * cutout.diagonal) ** 2 / lever if lever > 0.0 else 0.0
-    if not loose:
-        first, second = _stacked([(points[0], points[1])])
-    shares = np.append(1.0, np.full(len(first[0]) - 1, loose))
+    reach = (LEVER * cutout.diagonal) ** 2
+    loose = LOOSE * reach / max(lever, LOOSE * reach)  # 1 where the triangles are too small to turn anything
+    shares = np.append(1.0, np.full(len(pairs), loose))
     return Joint(key, kind, parts, first, second, shares, enabled, weight)
 
 
