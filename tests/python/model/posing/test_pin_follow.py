@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pins on their way to goals."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -41,6 +42,17 @@ def test_what_moves_little_is_there_in_one_step_and_the_rest_in_a_ramp():
 def test_goals_that_are_reached_leave_the_drawing_as_it_is():
     posing, _ = following((0.0, 0.0))
     np.testing.assert_allclose(posing.positions, grid_cutout(10, 3).rest, atol=1e-9)
+
+
+def test_a_dense_drawing_comes_to_rest_on_its_coarse_mesh():
+    cutout = replace(grid_cutout(80, 40), cage=400)
+    pins = [pin([0]), pin([80 + 81 * 20], key=1)]
+    goal = Holder(pins[1], cutout).place(cutout.rest) + np.array((-8.0, 20.0))
+    poser = partial(native.Poser, cutout.rest, cutout.triangles, method="hold", cage=400)
+    posing = PinFollow(cutout, cutout.rest, pins, {1: Goal(goal)}, poser)
+    posing.run()
+    assert posing.refines_slowly  # nothing was done on the drawing itself
+    np.testing.assert_allclose(posing.positions[80 + 81 * 20], goal, atol=0.02)
 
 
 def test_a_patch_is_turned_to_the_angle_of_its_goal():
