@@ -21,6 +21,7 @@ class PLANAR_MT_pin_context(bpy.types.Menu):
         layout.operator("planar.set_pin_kind", text="Make Points", icon="DOT").kind = "POINT"
         layout.operator("planar.set_pin_kind", text="Make Patches", icon="MESH_PLANE").kind = "PATCH"
         layout.operator("planar.set_pin_radius")
+        layout.menu("PLANAR_MT_follow")
         layout.separator()
         layout.operator("planar.disable_pins", icon="UNPINNED")
         layout.operator("planar.enable_pins", icon="PINNED")
