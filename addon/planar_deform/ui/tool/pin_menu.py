@@ -22,6 +22,7 @@ class PLANAR_MT_pin_context(bpy.types.Menu):
         layout.operator("planar.set_pin_kind", text="Make Patches", icon="MESH_PLANE").kind = "PATCH"
         layout.operator("planar.set_pin_radius")
         layout.operator("planar.set_weld_radius")
+        layout.menu("PLANAR_MT_follow")
         layout.separator()
         draw_depths(layout)
         layout.separator()

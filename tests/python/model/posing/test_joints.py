@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Joints of two parts: what they hold, and how the solver is told."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from cutouts import pin, rectangles
@@ -77,7 +79,7 @@ def test_the_pairs_of_a_weld_share_its_weight_and_what_is_off_counts_nothing(fig
 
 
 def posed(cutout, pins, moving, sample, *used):
-    make = lambda: solver_cache.poser_for(77, cutout, "hold", cutout.rest, joints.ties_of(used))  # noqa: E731
+    make = partial(solver_cache.poser_for, 77, cutout, "hold", cutout.rest, joints.ties_of(used))
     posing = Posing(cutout, cutout.rest, pins, moving, make)
     for step in range(1, 13):
         posing.move(*(step / 12 * value for value in sample))
