@@ -116,7 +116,7 @@ def run(pictures: Path | None) -> None:
     for character in cast:
         obj = build(character)
         if pictures and character.trials:  # of one layer, the tail of which reaches across its body
-            view = View.around(character.x + 0.25, -0.6, 5.2, 420, 340)
+            view = View.around(character.x + 0.6, -0.6, 5.2, 420, 340)
             way = comparison.arc((4.6, -0.6), 3.0, -215)
             cells = depths.crossing(obj, "Tail Fin", way, ("Tail", "Hind"), view, character.ground)
             images["depth"] = contact_sheet.sheet("One layer, the tail across the body", [cells])

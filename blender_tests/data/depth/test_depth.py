@@ -325,3 +325,68 @@ def test_blended_materials_are_dithered_by_one_click():
     assert bpy.ops.planar.dither_materials() == {"FINISHED"}
     assert material.surface_render_method == "DITHERED"
     assert not bpy.ops.planar.dither_materials.poll()
+
+
+def test_joined_drawings_keep_their_depths():
+    obj, other = bar(), bar(name="Other")
+    other.location = (0.0, 3.0, 0.0)
+    other.rotation_euler = (0.0, 0.0, 0.5)
+    for one, depth in ((obj, 3.0), (other, -8.0)):
+        add_end_pins(one)
+        give(one, depth)
+    activate(obj)
+    other.select_set(True)
+    bpy.ops.object.join()
+    size = np.linalg.norm((2.0, 1.0)) / drawing_of(obj).diagonal  # a depth is a share of the whole drawing
+    depths = np.array([pin.depth for pin in obj.planar.pins]) / size
+    assert depths[:2] == pytest.approx([0.0, 3.0], abs=0.05)
+    assert depths[3] - depths[2] == pytest.approx(-8.0, abs=0.1)  # the rest of what came is where it lies now
+
+
+def test_subdivided_drawings_keep_their_depths():
+    from support import in_edit_mode
+
+    obj = bar()
+    add_end_pins(obj)
+    give(obj, 4.0)
+    in_edit_mode(obj, bpy.ops.mesh.subdivide)
+    activate(obj)
+    drawing_of(obj)
+    assert [pin.depth for pin in obj.planar.pins] == pytest.approx([0.0, 4.0], abs=0.05)
+    pose(obj, offset=(0.1, 0.3))
+    assert obj.planar.pins[1].depth == pytest.approx(4.0, abs=0.1)
+
+
+def test_a_duplicate_has_the_depths_and_goes_its_own_way():
+    obj = bar()
+    add_end_pins(obj)
+    give(obj, 4.0)
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    assert copy != obj
+    give(copy, -4.0)
+    assert obj.planar.pins[1].depth == pytest.approx(4.0, abs=1e-3)
+    assert copy.planar.pins[1].depth == pytest.approx(-4.0, abs=1e-3)
+
+
+def test_a_relative_key_holds_a_depth():
+    obj = bar()
+    add_end_pins(obj)
+    obj.shape_key_add(name="Basis")
+    obj.shape_key_add(name="Pose")
+    obj.active_shape_key_index = 1
+    obj.data.shape_keys.key_blocks["Pose"].value = 0.5
+    give(obj, 3.0)
+    assert heights(obj).max() == pytest.approx(3.0, abs=1e-3)
+    assert obj.planar.pins[1].depth == pytest.approx(3.0, abs=1e-2)
+
+
+def test_other_operators_keep_depths():
+    obj = bar()
+    add_end_pins(obj)
+    give(obj, 3.0)
+    pose(obj, offset=(-0.2, 0.4))
+    activate(obj)
+    assert bpy.ops.planar.settle_pose() == {"FINISHED"}
+    assert bpy.ops.planar.reset_selected_pins() == {"FINISHED"}
+    assert obj.planar.pins[1].depth == pytest.approx(3.0, abs=0.01)

@@ -14,7 +14,17 @@ import numpy as np
 from ... import native
 from ...errors import Refusal
 from ...model.plane.cutout import Cutout, diagonal_of, make_cutout, signed_areas
-from ...model.plane.frame import Array, Array32, Indices, Mask, PlaneFrame, mapped, part_means, plane_frame
+from ...model.plane.frame import (
+    Array,
+    Array32,
+    Indices,
+    Mask,
+    PlaneFrame,
+    mapped,
+    part_means,
+    plane_frame,
+    spread,
+)
 from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, fitted
 from ...model.posing import solver_cache
@@ -422,10 +432,11 @@ class CutoutObject(FlatObject):
         known &= owners != 0
         # New and joined vertices come last, so the first one is the mesh's own, even if it has no rest yet.
         foreign = np.unique(self.parts[(owners != owners[0]) & known])
+        own = rest[(owners == owners[0]) & known]
         for part in {*foreign.tolist(), *copies}:
             rows = np.flatnonzero((self.parts == part) & known)
             if len(rows) >= 3:
-                rest[rows] = fitted(rest[rows], shown[rows], scaled=part in foreign)
+                rest[rows] = fitted(rest[rows], _level(shown[rows], own), scaled=part in foreign)
             else:
                 known[rows] = False
 
@@ -482,6 +493,21 @@ class CutoutObject(FlatObject):
             self._rest_after = self.reading.rest.shape.copy()
             self._rest_after[self.vertex_indices] = rest
         return flat
+
+
+def _level(points: Array, rest: Array) -> Array:
+    """Points k x 3 of a part without its depths, which would tilt it, where others rest at n x 3 places.
+
+    How far the part as a whole is raised is not known.
+    """
+    if len(rest) < 3:
+        return points
+    normal = spread(rest - rest.mean(axis=0))[2]
+    heights = (points - points.mean(axis=0)) @ normal
+    if np.abs(heights).max() > 2.0 * DEEPEST * DEPTH * diagonal_of(points):
+        return points
+    result: Array = points - np.outer(heights, normal)
+    return result
 
 
 def _flat_frame(
