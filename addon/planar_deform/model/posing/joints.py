@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -131,6 +131,14 @@ def ties_of(joints: Iterable[Joint]) -> Ties | None:
         for sides in ([joint.first for joint in used], [joint.second for joint in used])
     )
     return Ties(first, second, np.concatenate([joint.weight * joint.shares for joint in used]))
+
+
+def hanging_on(parts: Collection[int], joints: Iterable[Joint]) -> set[int]:
+    """The parts that hang together with any of these, by joints that are on; these among them."""
+    found, pairs = set(parts), [set(joint.parts) for joint in joints if joint.enabled]
+    while grown := [pair for pair in pairs if pair & found and not pair <= found]:
+        found.update(*grown)
+    return found
 
 
 def carried(joints: Iterable[Joint], positions: Array, triangles: Indices) -> list[PinResult]:

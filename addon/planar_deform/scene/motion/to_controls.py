@@ -20,6 +20,7 @@ from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ...model.posing import solving
+from ...model.posing.joints import Joint, hanging_on
 from ...model.posing.pin_follow import Goal, PinFollow, nearest_turn
 from ...model.posing.pins import Holder
 from ...model.posing.posing import start_of, start_scale_of
@@ -69,7 +70,7 @@ def at_frame(
     """
     holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
     shown = pose_state.shape_at(obj, frame) if pose_state.is_ours(obj) else None
-    begin = _rest(drawing, holders) if shown is None else drawing.flattened(shown)
+    begin = _rest(drawing, holders, joint_list.bound_joints(obj, drawing)) if shown is None else drawing.flattened(shown)
     standing = {}
     if shown is None:
         for holder in holders:
@@ -84,10 +85,10 @@ def at_frame(
     return posing, None if shown is None else drawing.moved(shown, posing.positions)
 
 
-def _rest(drawing: CutoutObject, holders: Sequence[Holder]) -> Array:
-    """The rest shape of all that pins hold; other parts stay where they are."""
-    held = [holder.part for holder in holders if holder.pin.enabled]
-    rest: Array = np.where(np.isin(drawing.parts, held)[:, None], drawing.rest, drawing.positions)
+def _rest(drawing: CutoutObject, holders: Sequence[Holder], joints: Sequence[Joint]) -> Array:
+    """The rest shape of all that pins hold and of what hangs on it; other parts stay where they are."""
+    held = hanging_on({holder.part for holder in holders if holder.pin.enabled}, joints)
+    rest: Array = np.where(np.isin(drawing.parts, list(held))[:, None], drawing.rest, drawing.positions)
     return rest
 
 
