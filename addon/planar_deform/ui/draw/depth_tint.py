@@ -34,6 +34,8 @@ def _draw() -> None:
     obj = context.object
     if context.mode != "OBJECT" or obj is None or pin_depths.seconds_shown(obj) <= 0.0:
         return
+    if not context.space_data.overlay.show_overlays:
+        return
     seen = snapshot.in_view(context)
     if seen is None or seen.shape is None or not isinstance(seen.shape[0], CutoutObject):
         return
