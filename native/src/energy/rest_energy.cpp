@@ -79,37 +79,23 @@ RestEnergy::RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Fl
     if (element.triangle < 0) continue;
     const auto p = [&](std::size_t c) { return rest_of(element.triangle, element.vertex[c]); };
     const Eigen::Vector2d p0 = p(0), p1 = p(1), p2 = p(2);
-    add(i, element.vertex, {p2 - p1, p0 - p2, p1 - p0}, flat[element.triangle],
-        stiffness.size() != 0 ? stiffness[element.triangle] : 1.0);
+    const std::array<Eigen::Vector2d, 3> side{p2 - p1, p0 - p2, p1 - p0};
+    const double factor = stiffness.size() != 0 ? stiffness[element.triangle] : 1.0;
+    if (flat[element.triangle]) {
+      flat_.push_back({i, element.vertex, side, flat_stiffness * factor});
+      continue;
+    }
+    Triangle triangle{i, element.vertex, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    const double area = side[2].x() * -side[1].y() + side[2].y() * side[1].x();
+    // The gradient of corner c's hat function is its opposite side, turned by 90°, over twice the area.
+    triangle.inverse = 1.0 / area;
+    triangle.g1x = -0.5 * side[1].y() * triangle.inverse;
+    triangle.g1y = 0.5 * side[1].x() * triangle.inverse;
+    triangle.g2x = -0.5 * side[2].y() * triangle.inverse;
+    triangle.g2y = 0.5 * side[2].x() * triangle.inverse;
+    triangle.weight = 0.5 * factor * std::abs(area);
+    triangles_.push_back(triangle);
   }
-}
-
-RestEnergy::RestEnergy(const Points& rest, const Triangles& triangles, const Flags& flat,
-                       const Eigen::VectorXd& stiffness) {
-  triangles_.reserve(at(triangles.rows()));
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const std::array<int, 3> vertex{triangles(t, 0), triangles(t, 1), triangles(t, 2)};
-    const Eigen::Vector2d p0 = rest.row(vertex[0]), p1 = rest.row(vertex[1]), p2 = rest.row(vertex[2]);
-    add(at(t), vertex, {p2 - p1, p0 - p2, p1 - p0}, flat[t], stiffness.size() != 0 ? stiffness[t] : 1.0);
-  }
-}
-
-void RestEnergy::add(std::size_t element, const std::array<int, 3>& vertex,
-                     const std::array<Eigen::Vector2d, 3>& side, bool flat, double stiffness) {
-  if (flat) {
-    flat_.push_back({element, vertex, side, flat_stiffness * stiffness});
-    return;
-  }
-  Triangle triangle{element, vertex, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  const double area = side[2].x() * -side[1].y() + side[2].y() * side[1].x();
-  // The gradient of corner c's hat function is its opposite side, turned by 90°, over twice the area.
-  triangle.inverse = 1.0 / area;
-  triangle.g1x = -0.5 * side[1].y() * triangle.inverse;
-  triangle.g1y = 0.5 * side[1].x() * triangle.inverse;
-  triangle.g2x = -0.5 * side[2].y() * triangle.inverse;
-  triangle.g2y = 0.5 * side[2].x() * triangle.inverse;
-  triangle.weight = 0.5 * stiffness * std::abs(area);
-  triangles_.push_back(triangle);
 }
 
 void RestEnergy::relax(const Points& x) {

@@ -43,10 +43,6 @@ class RestEnergy {
   RestEnergy(const RestOf& rest_of, const MeshMatrix& matrix, const Flags& flat,
              const Eigen::VectorXd& stiffness);
 
-  /// For value() and gradient() alone, without a matrix to add to.
-  RestEnergy(const Points& rest, const Triangles& triangles, const Flags& flat,
-             const Eigen::VectorXd& stiffness);
-
   /// Chooses the triangles to be repaired, those with det J below 1e-3 at x. To be called before the others
   /// when x was not reached from a shape without inverted triangles.
   void relax(const Points& x);
@@ -85,9 +81,6 @@ class RestEnergy {
   };
   struct Jacobian;
 
-  /// \param side at rest, opposite to the corner
-  void add(std::size_t element, const std::array<int, 3>& vertex, const std::array<Eigen::Vector2d, 3>& side,
-           bool flat, double stiffness);
   static Jacobian jacobian(const Triangle& triangle, const Points& x);
   double add_flat_gradient(const FlatTriangle& flat, const Points& x, Points* result) const;
 

@@ -22,6 +22,8 @@ namespace {
 constexpr double negligible = 1e-6;  // of the size: what the fit leaves of float32
 constexpr double released = 1e-5;    // of the size: what is left then is dropped
 constexpr double unmoved = 1e-5;     // of the size: a further settle() is not worth it
+constexpr double nearby = 0.1;       // of the size: what the mesh may have beside a minimum of the cage
+constexpr double reach = 0.2;        // of the size: the way on which that is let go of
 constexpr int settle_rounds = 12;
 
 /// Each triangle of the cage is as stiff as the dense ones in it: their harmonic mean by area. Where a stiff
@@ -62,9 +64,7 @@ CageMethod::Solved::Solved(Cage made, const CageMethod& owner, std::vector<int> 
       method(owner.make_(cage.rest, cage.triangles, orientation, stiffness)),
       hold(owner.rest_.rows() <= most_polished ? dynamic_cast<HoldMethod*>(method.get()) : nullptr),
       near(std::move(refined_near)) {
-  if (hold == nullptr) return;
-  energy = RestEnergy(cage.rest, cage.triangles, orientation.flat(), stiffness);
-  sample.emplace(cage, owner.rest_, owner.orientation_.triangles());
+  if (hold != nullptr) sample.emplace(cage, owner.rest_, owner.orientation_.triangles());
 }
 
 CageMethod::CageMethod(Coarse coarse, const Points& rest, const Eigen::RowVector2d& centre,
@@ -207,44 +207,67 @@ void CageMethod::reset() noexcept {
 /// The mesh's positions are x.
 void CageMethod::take(const Points& x) {
   unseen_ = false;
-  // A correction is for x alone, whatever led there.
+  // Where the cage begins depends on x alone, whatever led there.
   if (on_->hold == nullptr && is_as_left(x)) return;
-  correction_ = {};
+  balanced_.resize(0, 2);
   if (on_->hold != nullptr && orientation_.count_flipped(x) == 0 && balance(x)) return;
   x_ = on_->fit.fit(x);
-  take_beside(x);
+  take_beside(Remainder(on_->cage, x_, x, negligible * size_));
   on_->method->reset();
 }
 
-void CageMethod::take_beside(const Points& x) {
-  beside_ = Remainder(on_->cage, x_, x, negligible * size_);
-  left_.assign(at(on_->mesh.n_parts), beside_.is_empty() && correction_.is_empty() ? 0.0 : 1.0);
+void CageMethod::take_beside(Remainder beside) {
+  beside_ = std::move(beside);
+  left_.assign(at(on_->mesh.n_parts), beside_.is_empty() ? 0.0 : 1.0);
 }
 
-/// Puts the cage to where the mesh is, with a correction; not where it would be turned over.
+/// Puts the cage to its own minimum, for handles that pull at it as they do at the mesh, if that is near.
 bool CageMethod::balance(const Points& x) {
-  Points sampled = on_->sample->at(on_->cage, x);
+  Points settled = on_->sample->at(on_->cage, x);
   std::vector<int> all(at(on_->cage.triangles.rows()));
   std::iota(all.begin(), all.end(), 0);
   turn_upright(on_->cage.rest, on_->orientation, centre_, on_->stiffness,
-               std::vector<char>(at(sampled.rows())), all, sampled);
-  if (on_->orientation.count_flipped(sampled) != 0 || on_->hold->is_knotted(sampled)) return false;
-  if (!dense_energy_) dense_energy_.emplace(rest_, orientation_.triangles(), orientation_.flat(), stiffness_);
-  correction_ = {on_->cage, on_->mesh, on_->energy, *dense_energy_, sampled, x};
-  if (correction_.is_empty()) return false;
-  x_ = std::move(sampled);
-  take_beside(x);
+               std::vector<char>(at(settled.rows())), all, settled);
+  if (on_->orientation.count_flipped(settled) != 0 || on_->hold->is_knotted(settled)) return false;
+  const Points places = handles_.handles.positions(x);
+  Points targets = places;
   on_->hold->go_on();
+  try {
+    for (int round = 0; round < 2; ++round) {
+      Report report;
+      on_->hold->settle(targets, settled, report);
+      if (!report.converged) return false;
+      // As far behind their targets as the springs are drawn out at these places.
+      targets = 2.0 * places - cage_handles_.positions(settled);
+    }
+  } catch (const SolveError&) {
+    return false;
+  }
+  Remainder beside(on_->cage, settled, x, negligible * size_);
+  if (!(beside.largest() <= nearby * size_)) return false;
+  x_ = balanced_ = std::move(settled);
+  take_beside(std::move(beside));
   return true;
+}
+
+/// How far each part of the cage is from its minimum beside the mesh: 1 there, 0 out of reach.
+std::vector<double> CageMethod::nearness() const {
+  std::vector<double> furthest(at(on_->mesh.n_parts));
+  for (int c = 0; c < on_->mesh.n_vertices; ++c) {
+    const int part = on_->mesh.part[at(c)];
+    if (part >= 0) furthest[at(part)] = std::max(furthest[at(part)], (x_.row(c) - balanced_.row(c)).norm());
+  }
+  for (double& way : furthest) way = std::max(0.0, 1.0 - way / (reach * size_));
+  return furthest;
 }
 
 /// How much of what the fit left each part keeps.
 std::vector<double> CageMethod::left_after(double kept) const {
   std::vector<double> result = left_;
-  if (!correction_.is_empty()) {
-    const std::vector<double> shares = correction_.shares_at(on_->mesh, x_, size_);
+  if (balanced_.rows() != 0) {
+    const std::vector<double> near = nearness();
     for (std::size_t part = 0; part < result.size(); ++part) {
-      if (held_[part]) result[part] = shares[part];
+      if (held_[part] && !beside_.is_empty()) result[part] = near[part];
     }
     return result;
   }
@@ -254,11 +277,6 @@ std::vector<double> CageMethod::left_after(double kept) const {
     if (kept < 1.0 && result[part] * beside_.largest() <= released * size_) result[part] = 0.0;
   }
   return result;
-}
-
-void CageMethod::correct(const std::vector<double>& left) {
-  if (on_->hold == nullptr) return;
-  on_->hold->set_loads(correction_.is_empty() ? Points(0, 2) : correction_.loads_at(on_->mesh, x_, left));
 }
 
 /// By triangle of the cage: how what is beside it is turned and shortened. Empty if there is nothing.
@@ -335,7 +353,6 @@ void CageMethod::act(Action action, int rounds, double kept, const Points& targe
   }
   if (unseen_) take(x);
   const std::vector<double> left = left_after(kept);
-  correct(left);
   const Points before = x_;
   Points now = x_;
   try {
@@ -359,7 +376,7 @@ void CageMethod::act(Action action, int rounds, double kept, const Points& targe
   std::vector<char> moves(left.size());
   for (std::size_t part = 0; part < left.size(); ++part) {
     moves[part] = left[part] != left_[part];
-    if (left[part] > 0.0 && kept < 1.0 && held_[part] && correction_.is_empty()) report.converged = false;
+    if (left[part] > 0.0 && kept < 1.0 && held_[part] && balanced_.rows() == 0) report.converged = false;
   }
   for (int c = 0; c < on_->mesh.n_vertices; ++c) {
     if (on_->mesh.part[at(c)] >= 0 && x_.row(c) != before.row(c)) moves[at(on_->mesh.part[at(c)])] = 1;

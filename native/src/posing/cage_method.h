@@ -10,7 +10,6 @@
 #include "cage/cage.h"
 #include "mesh/orientation.h"
 #include "mesh/pin.h"
-#include "posing/cage_correction.h"
 #include "posing/dense_polish.h"
 #include "posing/hold_method.h"
 #include "posing/posing_method.h"
@@ -25,9 +24,9 @@ namespace planar {
 /// as they are.
 ///
 /// Where the other method is HoldMethod and the mesh has no more than most_polished vertices, the cage stands
-/// in for it only while it moves. It balances where the mesh does that it starts from (CageCorrection), so
-/// that nothing is seen of a change from one to the other; once it has settled, refine() and settle() take
-/// the mesh to its own minimum.
+/// in for it only while it moves. It begins at its own minimum for handles that pull at it as they do at the
+/// mesh, so that nothing is seen of a change from one to the other, and what the mesh has beside that is let
+/// go of as it moves on; once it has settled, refine() and settle() take the mesh to its own minimum.
 class CageMethod final : public PosingMethod {
  public:
   /// What to solve on the cage with: its rest, triangles, orientation (to outlive the method) and stiffness.
@@ -70,10 +69,9 @@ class CageMethod final : public PosingMethod {
     CageFit fit;
     Eigen::VectorXd stiffness;  ///< of its triangles, or empty
     std::unique_ptr<PosingMethod> method;
-    HoldMethod* hold;   ///< the method, where it is that and the mesh is polished
-    RestEnergy energy;  ///< of the cage, for that
-    std::optional<CageSample> sample;
-    std::vector<int> near;  ///< dense vertices where it is refined, ascending
+    HoldMethod* hold;                  ///< the method, where it is that and the mesh is polished
+    std::optional<CageSample> sample;  ///< for that
+    std::vector<int> near;             ///< dense vertices where it is refined, ascending
 
     Solved(Cage cage, const CageMethod& owner, std::vector<int> near);
   };
@@ -84,10 +82,10 @@ class CageMethod final : public PosingMethod {
   void polish(Polish action, const Points& targets, Points& x, Report& report);
   bool is_as_left(const Points& x) const;
   void take(const Points& x);
-  void take_beside(const Points& x);
+  void take_beside(Remainder beside);
   bool balance(const Points& x);
+  std::vector<double> nearness() const;
   std::vector<double> left_after(double kept) const;
-  void correct(const std::vector<double>& left);
   Remainder::Turns turns_at(const Points& x, const std::vector<double>& left) const;
   Points offsets(const std::vector<double>& left) const;
   void carry(const std::vector<char>& parts, Points& x) const;
@@ -106,11 +104,10 @@ class CageMethod final : public PosingMethod {
   bool unseen_ = true;         ///< the mesh's positions come from elsewhere
   std::vector<int> repaired_;  ///< dense vertices that were not left where the cage has them
   Points repaired_places_;
-  Remainder beside_;           ///< what the fit left of them
-  CageCorrection correction_;  ///< for where the fit was made
-  std::vector<double> left_;   ///< how much of both is left, by part
+  Remainder beside_;          ///< what the fit left of them
+  Points balanced_{0, 2};     ///< where the cage was at its own minimum beside them; or none
+  std::vector<double> left_;  ///< how much of what was left then there still is, by part
 
-  std::optional<RestEnergy> dense_energy_;
   std::unique_ptr<DensePolish> polish_;  ///< once it is needed
   bool coarse_settled_ = false;          ///< what is to come is for the mesh itself
 

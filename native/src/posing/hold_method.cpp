@@ -148,11 +148,6 @@ void HoldMethod::set_lines(std::vector<LineSpring> lines) {
   springs_.lines = std::move(lines);
 }
 
-void HoldMethod::set_loads(Points loads) {
-  worker_.wait();
-  springs_.loads = std::move(loads);
-}
-
 void HoldMethod::set_rest(const Points& rest) {
   reset();
   unseen_ = may_be_tangled_ = false;
@@ -434,12 +429,6 @@ void HoldMethod::turn_factor(const std::vector<RigidMotion>& motions, const std:
     if (std::abs(first - second) > worth_a_factor) newton_.system().forget();
   }
   newton_.system().turn(turn);
-  for (Eigen::Index v = 0; v < springs_.loads.rows(); ++v) {
-    const int part = mesh_.part[at(v)];
-    if (part < 0) continue;
-    const Complex load = turn[at(part)] * complex_row(springs_.loads, v);
-    springs_.loads.row(v) << load.real(), load.imag();
-  }
 }
 
 }  // namespace planar

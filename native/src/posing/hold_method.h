@@ -33,10 +33,6 @@ class HoldMethod final : public PosingMethod {
   /// Beside the handles; to be called after set_handles(), which removes them.
   void set_lines(std::vector<LineSpring> lines);
 
-  /// Constant forces on the vertices (n×2) from the next call on, or none (0×2). Where a part goes along
-  /// rigidly with its pins they turn with it.
-  void set_loads(Points loads);
-
   /// Another rest shape, with the same triangles and without stiffness, of which x is a rigid motion part by
   /// part at the next call. The orientation is to be its by now.
   void set_rest(const Points& rest);

@@ -30,10 +30,6 @@ double HoldSprings::value(const Points& x, Points* gradient) const {
     sum += return_strength * left.squaredNorm();
     if (gradient != nullptr) gradient->row(v) += 2.0 * return_strength * left;
   }
-  if (loads.rows() != 0) {
-    sum -= loads.cwiseProduct(x).sum();
-    if (gradient != nullptr) *gradient -= loads;
-  }
   for (const LineSpring& line : lines) {
     const double left = line.normal.dot(x.row(line.vertex)) - line.offset;
     sum += line.strength * left * left;

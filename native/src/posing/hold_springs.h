@@ -9,7 +9,7 @@
 namespace planar {
 
 /// What PoserMethod::hold adds to the rest energy: pins with their targets in Pin::position, lines, joints,
-/// what keeps parts on hinges from drifting, and loads, which no Hessian shows.
+/// and what keeps parts on hinges from drifting.
 struct HoldSprings final : Springs {
   /// Holds a vertex on the line normal · x = offset.
   struct LineSpring {
@@ -36,7 +36,6 @@ struct HoldSprings final : Springs {
   std::vector<Pin> pins;
   std::vector<LineSpring> lines;
   std::vector<Joint> joints;  ///< of the parts that move
-  Points loads{0, 2};         ///< n×2: forces on the vertices; empty: none
   std::vector<int> hanging;   ///< vertices of parts with joints that move
   Points reference;           ///< n×2: where these would be if all moved as one
 };

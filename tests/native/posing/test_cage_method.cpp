@@ -193,6 +193,23 @@ TEST(CageMethod, NothingJumpsWhenASettledDrawingIsTakenHoldOf) {
   }
 }
 
+TEST(CageMethod, ADragGoesOnFromASettledDrawingAsIfItHadNotSettled) {
+  const auto character = characters::read(PLANAR_OWN_CHARACTERS, "fox");
+  ASSERT_TRUE(character);
+  const Shape shape = refined(refined({character->vertices, character->triangles}));
+  const characters::Pose& pose = character->poses.front();
+  const Points start = shape.vertices(pose.handles, Eigen::all);
+  std::array<Poser, 2> posers{Poser(shape.vertices, shape.triangles, {.cage = 1500}),
+                              Poser(shape.vertices, shape.triangles, {.cage = 1500})};
+  for (Poser& poser : posers) poser.set_handles(at(shape, pose.handles));
+  for (int step = 1; step <= 30; ++step) {
+    for (Poser& poser : posers) poser.move(start + step / 30.0 * (pose.targets - start));
+    if (step == 15) posers[1].settle();
+    // A pin that is drawn out draws its neighbours with it: at once in one, a move later in the other.
+    EXPECT_LT(furthest(posers[0].positions(), posers[1].positions()), 0.02 * character->diagonal()) << step;
+  }
+}
+
 TEST(CageMethod, RefinementsGoOnToTheDrawingItselfStepByStep) {
   const Square square;
   Poser poser = square.poser(PoserMethod::hold), plain = square.poser(PoserMethod::hold, {});
