@@ -49,7 +49,7 @@ ORDER = {
             "inbetweens",
             "motion",
         ),
-        *("telling", "properties", "follow"),
+        *("telling", "pin_properties", "properties", "follow"),
     ],
 }
 

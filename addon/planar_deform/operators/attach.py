@@ -14,8 +14,8 @@ from ..model.plane.frame import Array, Indices
 from ..model.posing import attaching, joints
 from ..model.posing.attaching import Attachment
 from ..scene.objects.cutout_object import CutoutObject, begin
+from ..scene.pin_properties import JOINT_KINDS
 from ..scene.pins import joint_list, pin_list
-from ..scene.properties import JOINT_KINDS
 from .modal import running
 from .pins import ON_MESH, PinListOperator
 from .posing_operator import PosingOperator

@@ -12,8 +12,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProper
 from ..errors import Refusal
 from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.lattice.posed_lattice import PosedLattice
+from ..scene.pin_properties import KINDS
 from ..scene.pins import pin_list
-from ..scene.properties import KINDS
 from ..scene.storage import migration
 from ..scene.view.mouse import hidden_refusal
 from .modal import running

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A character of several parts: attached, with depths, followed, in-betweened, at once and in long sessions."""
+"""A character of several parts, attached, with depths, followed and in-betweened at once."""
 
+import contextlib
 import random
 
 import bpy
@@ -118,7 +119,7 @@ def _depth(obj, draw):
 
 
 def _attach(obj, _draw):
-    if not bpy.ops.planar.detach() == {"FINISHED"}:
+    if bpy.ops.planar.detach() != {"FINISHED"}:
         bpy.ops.planar.attach()
 
 
@@ -171,10 +172,8 @@ def test_a_session_loses_nothing(seed, tmp_path):
         obj = bpy.data.objects["Figure"]
         activate(obj)
         pins, poses = len(obj.planar.pins), len(obj.planar.poses)
-        try:
+        with contextlib.suppress(Refusal):  # which is said to the user; nothing is to be lost by it
             step(obj, draw)
-        except (RuntimeError, Refusal) as refusal:  # said to the user; nothing is to be lost by it
-            assert "Traceback" not in str(refusal), step.__name__
         bpy.context.view_layer.update()
         obj = bpy.data.objects["Figure"]
         assert np.isfinite(evaluated(obj)).all(), step.__name__

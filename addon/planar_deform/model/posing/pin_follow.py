@@ -52,8 +52,8 @@ class PinFollow(Posing):
     def run(self) -> None:
         """All the way, the farther in the more steps, and until there is nothing left to do.
 
-        That is the solver's own matter: nobody sees what is between, as after a drag. A dense drawing comes to
-        rest on its coarse mesh alone: itself, each frame would take a second.
+        That is the solver's own matter: nobody sees what is between, as after a drag. A dense drawing comes
+        to rest on its coarse mesh alone: itself, each frame would take a second.
         """
         solver = self._make_poser()
         there = (1.0, 0.0, 0.0)

@@ -70,7 +70,11 @@ def at_frame(
     """
     holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
     shown = pose_state.shape_at(obj, frame) if pose_state.is_ours(obj) else None
-    begin = _rest(drawing, holders, joint_list.bound_joints(obj, drawing)) if shown is None else drawing.flattened(shown)
+    begin = (
+        _rest(drawing, holders, joint_list.bound_joints(obj, drawing))
+        if shown is None
+        else drawing.flattened(shown)
+    )
     standing = {}
     if shown is None:
         for holder in holders:
