@@ -3,6 +3,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <future>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -27,6 +29,16 @@ TEST(Worker, DoesTasksInOneOtherThread) {
   worker.finish();
   EXPECT_EQ(first, second);
   EXPECT_NE(first, std::this_thread::get_id());
+}
+
+TEST(Worker, IsWaitedForNoLongerThanAsked) {
+  Worker worker;
+  EXPECT_TRUE(worker.wait_for(std::chrono::milliseconds(0)));
+  std::promise<void> gate;
+  worker.start([&gate] { gate.get_future().wait(); });
+  EXPECT_FALSE(worker.wait_for(std::chrono::milliseconds(1)));
+  gate.set_value();
+  EXPECT_TRUE(worker.wait_for(std::chrono::minutes(1)));
 }
 
 TEST(Worker, PassesExceptionsOnAndGoesOn) {
