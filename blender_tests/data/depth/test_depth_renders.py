@@ -30,7 +30,8 @@ def crossed(depth):
     for colour, name in ((BODY, "Body"), (ARM, "Arm")):
         material = bpy.data.materials.new(name)
         material.diffuse_color = (*colour, 1.0)
-        material.use_nodes = True
+        if material.node_tree is None:  # from Blender 5.0 on each has one
+            material.use_nodes = True
         nodes = material.node_tree.nodes
         nodes.clear()
         emission, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
