@@ -378,6 +378,8 @@ def test_in_betweens_of_a_dense_drawing_go_through_the_cage(dense):
         assert bpy.ops.planar.drag_pins(offset=offset) == {"FINISHED"}
         assert bpy.ops.planar.key_pose() == {"FINISHED"}
     keyed = [shown_at(dense, frame) for frame in (1, 5)]
+    for pin in dense.planar.pins:  # the whole drawing holds those that stand each, the cage their middle
+        pin.enabled = False
 
     def frames():
         assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
@@ -393,8 +395,7 @@ def test_in_betweens_of_a_dense_drawing_go_through_the_cage(dense):
     diagonal = np.linalg.norm(np.ptp(keyed[0], axis=0))
     for one, other in zip(caged, whole, strict=True):
         assert not np.array_equal(one, other)
-        # Pins that stand are held each by the second alone.
-        assert np.linalg.norm(one - other, axis=1).max() < 7e-3 * diagonal
+        assert np.linalg.norm(one - other, axis=1).max() < 5e-3 * diagonal
 
 
 def test_quads_are_cut_as_blender_cuts_them():

@@ -154,7 +154,8 @@ def of_the_future(owner):
 OPERATORS = (
     *("add_pin", "add_pins_from_selected", "add_pins_from_all_groups", "add_pin_from_group", "remove_pins"),
     *("select_pins", "box_select_pins", "set_pin_kind", "set_pin_radius", "disable_pins", "enable_pins"),
-    *("set_depth", "dither_materials"),
+    *("set_depth", "dither_materials", "attach", "add_joint", "detach", "set_weld_radius"),
+    *("add_pin_path", "remove_pin_path"),
     *("drag_pins", "rotate_pins", "spread_pins", "settle_pose", "paint_stiffness"),
     *("set_rest_to_current", "reset_to_rest", "reset_selected_pins", "mirror_pose", "paste_pose"),
     *("key_pose", "delete_pose", "jump_to_pose", "clear_poses", "update_pose", "duplicate_pose"),
