@@ -343,6 +343,7 @@ void CageMethod::polish(Polish action, const Points& targets, Points& x, Report&
   report.converged = done.converged;
   report.coarse_settled = true;
   report.flipped = orientation_.count_flipped(x);
+  if (done.converged) polish_.reset();  // drawings that rest keep no factor of their own
 }
 
 void CageMethod::act(Action action, int rounds, double kept, const Points& targets, Points& x,
