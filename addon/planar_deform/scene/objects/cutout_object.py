@@ -22,13 +22,10 @@ from ...model.plane.frame import (
     PlaneFrame,
     mapped,
     part_means,
-    plane_frame,
-    spread,
 )
 from ...model.plane.locate import MeshPoint, nearest_point
 from ...model.plane.rest import completed, copied_along_edges, fitted
 from ...model.posing import solver_cache
-from ...model.posing.depths import DEEPEST, DEPTH
 from ...model.posing.joints import Ties
 from ...model.posing.pins import Holder
 from ...model.work import Progress
@@ -36,6 +33,7 @@ from ..sequence import pose_state
 from ..storage import shape_keys
 from . import rest_shape, stiffness
 from .cutout_reading import CutoutReading, RestOnFaces, read
+from .flat_frame import flat_frame, not_flat, plane_of
 from .flat_object import (
     FLATNESS,
     FlatObject,
@@ -46,13 +44,12 @@ from .flat_object import (
     unevenness,
 )
 from .pose_store import OwnStore
+from .relief import Relief, level, relief
 
 EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane cannot be drawn in
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
 MOST_SIDES = 10_000  # triangles that tell, spread over a dense drawing, whether it has been turned over
-# Of the diagonal. What is as near to the plane of its rest as rounding has no depths, and its own plane.
-EVEN = 1e-5
-UNEVEN = 0.05  # beyond this no depths explain it
+UNEVEN = 0.05  # of the diagonal: beyond this no depths explain how far points are from a plane
 CAPACITY = 8  # objects; what is kept of one of 100k vertices takes some 30 MB
 
 
@@ -164,7 +161,7 @@ class CutoutObject(FlatObject):
             self.frame, self.positions, self._heights = before.frame, before.positions, before._heights
         else:
             stays, world = False, mapped(shown, self._linear)
-            plane = _plane(shown, world, triangles, parts, self._linear, "Its faces do", UNEVEN)
+            plane = plane_of(shown, world, triangles, parts, self._linear, "Its faces do", UNEVEN)
         rest, known = self._known_rest(shown)
         self.known = known.copy()
         self._rest = self._flat_rest(rest, known, shown, before)
@@ -364,40 +361,22 @@ class CutoutObject(FlatObject):
         self._put(self._with_depths(placed, depths, self._share))
 
     def _with_depths(self, shape: Array32, depths: Array, share: Array) -> Array32:
-        raised = (depths - self.depths) * self._depth_unit
+        raised = (depths - self.depths) * self._relief.unit
         result, old = shape.copy(), shape[self._used, :3]
         placed = (old + np.outer(raised, self._inverse @ self.frame.n) / share).astype(np.float32)
         result[self._used, :3] = np.where((raised != 0.0)[:, None], placed, old)
         return result
 
     @cached_property
-    def _depth_unit(self) -> float:
-        """How far along the normal a depth of 1 raises a point: towards the side of the faces' fronts.
-
-        An object that is mirrored shows them on the other side of its frame.
-        """
-        front = np.sign(self._rest.areas.sum()) * np.sign(np.linalg.det(self._linear))
-        return float((front or 1.0) * DEPTH * diagonal_of(self._rest.flat[self.known]))
+    def _relief(self) -> Relief:
+        # An object that is mirrored shows the fronts of its faces on the other side of its frame.
+        front = float(np.sign(self._rest.areas.sum()) * np.sign(np.linalg.det(self._linear)))
+        heights = self._rest.frame.depth(self._rest.world)
+        diagonal = diagonal_of(self._rest.flat[self.known])
+        return relief(heights, self.known, self.parts, front=front, diagonal=diagonal)
 
     def _depths_of(self, shape: Array) -> Array:
-        heights = self.frame.depth(mapped(shape[self._used, :3], self._linear))
-        return self._above_rest(heights) / self._depth_unit
-
-    def _above_rest(self, heights: Array) -> Array:
-        """How far heights (n,) along the normal are above those at rest.
-
-        A part that has been moved farther than depths reach, by hand, lies in another plane now.
-        """
-        rest = self._rest.frame.depth(self._rest.world)
-        if not self.known.all():
-            counts = np.bincount(self.parts, weights=self.known)
-            sums = np.bincount(self.parts, weights=np.where(self.known, rest, 0.0))
-            rest = np.where(self.known, rest, (sums / np.maximum(counts, 1.0))[self.parts])
-        above = heights - rest
-        means = part_means(above, self.parts)
-        away = np.abs(means) > 1.5 * DEEPEST * abs(self._depth_unit)
-        result: Array = above - np.where(away, means, 0.0)[self.parts]
-        return result
+        return self._relief.depths(self.frame.depth(mapped(shape[self._used, :3], self._linear)))
 
     def _frame_shown(self, plane: PlaneFrame, world: Array) -> PlaneFrame:
         """The frame of n x 3 points in world-linear space that this plane fits best: without their depths.
@@ -406,11 +385,10 @@ class CutoutObject(FlatObject):
         Refusal where the points lie in no parallel planes otherwise.
         """
         size = diagonal_of(world)
-        above = np.abs(self._above_rest(self._rest.frame.depth(world))).max()
-        if EVEN * size < above <= 1.01 * DEEPEST * abs(self._depth_unit):
+        if self._relief.is_of_depths(self._rest.frame.depth(world), size):
             return self._rest.frame
         if unevenness(plane, world, self.parts) > FLATNESS * size:
-            raise Refusal(_not_flat("Its faces do"))
+            raise Refusal(not_flat("Its faces do"))
         return plane
 
     # -- rest
@@ -436,7 +414,7 @@ class CutoutObject(FlatObject):
         for part in {*foreign.tolist(), *copies}:
             rows = np.flatnonzero((self.parts == part) & known)
             if len(rows) >= 3:
-                rest[rows] = fitted(rest[rows], _level(shown[rows], own), scaled=part in foreign)
+                rest[rows] = fitted(rest[rows], level(shown[rows], own), scaled=part in foreign)
             else:
                 known[rows] = False
 
@@ -451,7 +429,7 @@ class CutoutObject(FlatObject):
             rest[:], known[:] = shown, True
         triangles = self.reading.rest.faces.triangles
         world = mapped(rest, self._linear)
-        frame = _flat_frame(rest, world, triangles, self.parts, self._linear, "Its rest shape does", known)
+        frame = flat_frame(rest, world, triangles, self.parts, self._linear, "Its rest shape does", known)
         flat = frame.flatten(world)
         if not known.all():
             triangles = triangles[known[triangles].all(axis=1)]
@@ -493,59 +471,3 @@ class CutoutObject(FlatObject):
             self._rest_after = self.reading.rest.shape.copy()
             self._rest_after[self.vertex_indices] = rest
         return flat
-
-
-def _level(points: Array, rest: Array) -> Array:
-    """Points k x 3 of a part without its depths, which would tilt it, where others rest at n x 3 places.
-
-    How far the part as a whole is raised is not known.
-    """
-    if len(rest) < 3:
-        return points
-    normal = spread(rest - rest.mean(axis=0))[2]
-    heights = (points - points.mean(axis=0)) @ normal
-    if np.abs(heights).max() > 2.0 * DEEPEST * DEPTH * diagonal_of(points):
-        return points
-    result: Array = points - np.outer(heights, normal)
-    return result
-
-
-def _flat_frame(
-    points: Array,
-    world: Array,
-    triangles: Indices,
-    parts: Indices,
-    linear: Array,
-    subject: str,
-    known: Mask | None = None,
-) -> PlaneFrame:
-    """The frame of points whose parts lie in parallel planes. Raises Refusal where they do not."""
-    if known is not None and not known.all():
-        triangles = (np.cumsum(known) - 1)[triangles[known[triangles].all(axis=1)]]
-        points, world, parts = points[known], world[known], parts[known]
-    return _plane(points, world, triangles, parts, linear, subject, FLATNESS)
-
-
-def _plane(
-    points: Array,
-    world: Array,
-    triangles: Indices,
-    parts: Indices,
-    linear: Array,
-    subject: str,
-    flatness: float,
-) -> PlaneFrame:
-    """The same of all the points, which may leave their planes by a share of the diagonal. Raises Refusal."""
-    frame = plane_frame(points, parts, triangles, linear)
-    if frame is None:
-        raise Refusal(f"{subject} not cover any area: give the drawing some, or use Set as Rest")
-    if unevenness(frame, world, parts) > flatness * diagonal_of(world):
-        raise Refusal(_not_flat(subject))
-    return frame
-
-
-def _not_flat(subject: str) -> str:
-    return (
-        f"{subject} not lie in parallel planes: flatten the mesh (scale it to 0 along its normal), "
-        "then use Set as Rest"
-    )
