@@ -86,11 +86,6 @@ class LatticePoser:
         self._solver.refine()
         return self.positions
 
-    def settle(self) -> Array:
-        """As close to the last targets as it comes; positions."""
-        self._solver.settle()
-        return self.positions
-
     @property
     def positions(self) -> Array:
         """Where everything is."""

@@ -43,7 +43,6 @@ class PinFollow(Posing):
     ):
         super().__init__(cutout, positions, pins, goals, make_poser)
         self._goals = goals
-        self._coarse = cutout.cage is not None
         # Where they are, not where they were asked to be: a bake comes from the frame before.
         self._from = {
             holder.pin.key: holder.place(positions) for holder in self._holders if self._moves(holder)
@@ -52,8 +51,7 @@ class PinFollow(Posing):
     def run(self) -> None:
         """All the way, the farther in the more steps, and until there is nothing left to do.
 
-        That is the solver's own matter: nobody sees what is between, as after a drag. A dense drawing comes
-        to rest on its coarse mesh alone: itself, each frame would take a second.
+        A dense drawing comes to rest on its coarse mesh alone: itself, each frame would take a second.
         """
         solver = self._make_poser()
         there = (1.0, 0.0, 0.0)
@@ -67,11 +65,8 @@ class PinFollow(Posing):
         steps = int(np.clip(math.ceil(self._steps()), 1, RAMP_SAMPLES))
         for step in range(1, steps + 1):
             self.move(step / steps, 0.0, 0.0)
-        if self._coarse:
-            while not (self.settled or self.refines_slowly):
-                self.move(*there)
-        else:
-            self.positions = solver.settle()
+        while not (self.settled or self.refines_slowly):
+            self.move(*there)
         solved_shapes.keep(solver, key, self.positions)
 
     def _steps(self) -> float:

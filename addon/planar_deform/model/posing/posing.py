@@ -41,8 +41,6 @@ class Poser(Protocol):
 
     def refine(self, *, progress: Progress | None = None) -> Array: ...
 
-    def settle(self) -> Array: ...
-
 
 class MakePoser(Protocol):
     """Gives a solver that stands where a posing starts. `progress` is asked where making it takes long."""
