@@ -48,7 +48,7 @@ def made(monkeypatch):
 
     count(vertex_groups, "_read")
     count(cutout_object, "read")
-    count(cutout_object, "_plane")
+    count(cutout_object, "plane_of")
     count(cutout_object, "make_cutout")
     count(triangulation, "_faces")
     count(digests, "digest")
@@ -108,7 +108,7 @@ def test_a_move_reads_nothing_and_a_release_reads_once(made):
     assert made == {}, "moves only write"
     released(posing, posing.model.solved())
     shown()
-    assert made == {"read": 1, "_plane": 1}, "the shape is another one, rest and weights are not"
+    assert made == {"read": 1, "plane_of": 1}, "the shape is another one, rest and weights are not"
     made.clear()
     posing = begun()
     assert made == {"read": 1}, "a later press finds what was drawn, and asks for no distortion"
