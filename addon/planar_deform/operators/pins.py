@@ -71,7 +71,7 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
             pin_list.check_groups_of(drawing.vertices_held(drawing.cutout.triangles[point.triangle])[0])
             pin = pin_list.add_at(obj, drawing, point)
         if not self.extend:
-            _select(obj, [])
+            select_only(obj, [])
         pin.select = True
 
 
@@ -94,7 +94,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
             for index in sorted(chosen):
                 pin_list.add_on_lattice_point(obj, index)
             pins = enumerate(obj.planar.pins)
-            _select(obj, (key for key, pin in pins if pin.lattice_point in chosen))
+            select_only(obj, (key for key, pin in pins if pin.lattice_point in chosen))
             return
         selected = np.empty(len(obj.data.vertices), bool)
         obj.data.vertices.foreach_get("select", selected)
@@ -104,7 +104,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
         new = [on_faces] if self.kind == "PATCH" else [[vertex] for vertex in on_faces]
         for vertices in new:
             pin_list.add_on_vertices(obj, vertices, self.kind)
-        _select(obj, range(first, len(obj.planar.pins)))
+        select_only(obj, range(first, len(obj.planar.pins)))
 
 
 class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
@@ -134,7 +134,7 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
         if pin_list.is_pinned(obj, found[0]):
             raise Refusal(f"Vertex group '{found[0].name}' has a pin already: choose another group")
         pin_list.add_on_group(obj, found[0], self.kind)
-        _select(obj, [len(obj.planar.pins) - 1])
+        select_only(obj, [len(obj.planar.pins) - 1])
 
 
 class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
@@ -156,7 +156,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
         first = len(obj.planar.pins)
         for group in new:
             pin_list.add_on_group(obj, group, self.kind)
-        _select(obj, range(first, len(obj.planar.pins)))
+        select_only(obj, range(first, len(obj.planar.pins)))
 
 
 class NotHidden:
@@ -242,7 +242,7 @@ class PLANAR_OT_select_pins(PinListOperator, bpy.types.Operator):
             on = self.action == "SELECT" or (self.action == "TOGGLE" and one not in selected)
             wanted = (selected if self.extend else set()) - {one} | ({one} if on else set())
             settings.active_pin = one
-        _select(context.object, wanted)
+        select_only(context.object, wanted)
         return {"FINISHED"}
 
 
@@ -304,7 +304,8 @@ def _list_refusal(obj: bpy.types.Object | None) -> str | None:
     return None if fit else posing_refusal(obj)
 
 
-def _select(obj: bpy.types.Object, wanted: Iterable[int]) -> None:
+def select_only(obj: bpy.types.Object, wanted: Iterable[int]) -> None:
+    """These pins, by their indices, and no others."""
     wanted = set(wanted)
     for index, pin in enumerate(obj.planar.pins):
         pin.select = index in wanted

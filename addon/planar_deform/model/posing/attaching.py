@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..plane.carrying import boundary
 from ..plane.cutout import Cutout, signed_areas
 from ..plane.frame import Array, Indices, Mask
 
@@ -141,11 +142,7 @@ def _areas(cutout: Cutout) -> Array:
 def _edges(cutout: Cutout, part: int) -> Array:
     """The edges (e x 2 x 2) along the boundary of a part at rest: those of one triangle alone."""
     triangles = cutout.triangles[cutout.parts[cutout.triangles[:, 0]] == part]
-    sides = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
-    )
-    found, counts = np.unique(sides, axis=0, return_counts=True)
-    ends: Array = cutout.rest[found[counts == 1]]
+    ends: Array = cutout.rest[boundary(triangles)[0]]
     return ends
 
 

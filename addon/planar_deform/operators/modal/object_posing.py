@@ -73,8 +73,8 @@ class ObjectPosing:
         if pressed >= len(settings.pins):
             raise Refusal(f"There is no pin {pressed}: the object has {len(settings.pins)}")
         pin_list.sync(obj)
-        self._solver = joint_list.solver_of(obj, self.drawing)
         self._joints = joint_list.bound_joints(obj, self.drawing)
+        self._solver = joint_list.solver_of(obj, self.drawing, self._joints)
         self._pins = pin_list.model_pins(obj, self.drawing)
         if settling and not any(pin.enabled for pin in self._pins):
             raise Refusal("No pin is on and holds vertices: add or enable one in the Planar tab")

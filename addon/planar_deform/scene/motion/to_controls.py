@@ -68,13 +68,11 @@ def at_frame(
 
     `read_at`: as in followed(). Raises Refusal and native.SolveError.
     """
-    holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
+    groups = pin_list.read_groups(obj)
+    holders = pin_list.bound_pins(obj, drawing, groups)
+    joints = joint_list.bound_joints(obj, drawing, groups)
     shown = pose_state.shape_at(obj, frame) if pose_state.is_ours(obj) else None
-    begin = (
-        _rest(drawing, holders, joint_list.bound_joints(obj, drawing))
-        if shown is None
-        else drawing.flattened(shown)
-    )
+    begin = _rest(drawing, holders, joints) if shown is None else drawing.flattened(shown)
     standing = {}
     if shown is None:
         for holder in holders:
@@ -84,7 +82,7 @@ def at_frame(
         holder.holding(replace(holder.pin, target=None, angle=0.0, scale=1.0), drawing.cutout)
         for holder in holders
     ]
-    posing = followed(obj, drawing, unposed, begin, depsgraph, read_at, standing)
+    posing = followed(obj, drawing, unposed, begin, depsgraph, read_at, standing, joints)
     posing.run()
     return posing, None if shown is None else drawing.moved(shown, posing.positions)
 
@@ -104,11 +102,13 @@ def followed(
     depsgraph: bpy.types.Depsgraph,
     read_at: Array | None = None,
     standing: Mapping[int, Goal] | None = None,
+    joints: Sequence[Joint] | None = None,
 ) -> PinFollow:
     """The posing that takes the pins of an object from positions to where what they follow wants them.
 
     `holders`: its usable pins. `read_at`: the object's matrix when it was read, if not now. `standing`: where
-    pins are to be that follow nothing, if not where they are. Raises Refusal.
+    pins are to be that follow nothing, if not where they are. `joints`: those that
+    hold two of its parts, if they have been read. Raises Refusal.
     """
     enabled = [holder for holder in holders if holder.pin.enabled]
     going = [holder for holder in enabled if obj.planar.pins[holder.pin.key].follow is not None]
@@ -129,7 +129,7 @@ def followed(
         goal = _goal(pin, holder, drawing, positions, back, depsgraph)
         stood = goals.get(holder.pin.key)
         goals[holder.pin.key] = goal if stood is None else goal._replace(scale=stood.scale)
-    poser = partial(joint_list.solver_of(obj, drawing), positions)
+    poser = partial(joint_list.solver_of(obj, drawing, joints), positions)
     return PinFollow(drawing.cutout, positions, [holder.pin for holder in holders], goals, poser)
 
 

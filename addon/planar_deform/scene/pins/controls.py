@@ -15,9 +15,9 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array
-from ...model.posing.joints import KINDS as JOINTS
 from ..sequence import pose_state
 from ..sequence.pose_blocks import played_value
+from .pin_list import is_joint
 
 _given = False
 
@@ -148,6 +148,6 @@ def _absence(pin: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> st
 
 def chosen(obj: bpy.types.Object) -> list[int]:
     """The indices of the selected pins, of all if none is selected; not of joints."""
-    pins = [(index, pin.select) for index, pin in enumerate(obj.planar.pins) if pin.kind not in JOINTS]
+    pins = [(index, pin.select) for index, pin in enumerate(obj.planar.pins) if not is_joint(pin)]
     selected = [index for index, select in pins if select]
     return selected or [index for index, _ in pins]

@@ -15,7 +15,7 @@ import bpy
 from ...errors import Refusal
 from ...model.plane.frame import Array, Indices
 from ...model.posing import joints
-from ...model.posing.joints import Joint, Ties
+from ...model.posing.joints import Joint
 from ...model.posing.posing import PinResult
 from ..objects.cutout_object import CutoutObject
 from ..storage import vertex_groups
@@ -51,20 +51,20 @@ def bound_joints(
     return found
 
 
-def ties(obj: bpy.types.Object, drawing: Drawing) -> Ties | None:
-    """What joints tie together of an object; None where there is nothing. Raises Refusal."""
-    found = joints.ties_of(bound_joints(obj, drawing))
-    if found is not None and obj.planar.method != "HOLD":
-        raise Refusal("AKVF and ARAP do not hold joints: choose Hold Shape, or switch the joints off")
-    return found
+def solver_of(
+    obj: bpy.types.Object, drawing: Drawing, bound: Iterable[Joint] | None = None
+) -> Callable[..., Any]:
+    """What makes a solver of given positions, for any thread, that holds the joints. Raises Refusal.
 
-
-def solver_of(obj: bpy.types.Object, drawing: Drawing) -> Callable[..., Any]:
-    """What makes a solver of given positions, for any thread, that holds the joints. Raises Refusal."""
+    `bound`: what bound_joints() gives, where it has been asked already.
+    """
     method = obj.planar.method.lower()
     if not isinstance(drawing, CutoutObject):
         return partial(drawing.poser, method)
-    return partial(drawing.poser, method, ties=ties(obj, drawing))
+    ties = joints.ties_of(bound_joints(obj, drawing) if bound is None else bound)
+    if ties is not None and method != "hold":
+        raise Refusal("AKVF and ARAP do not hold joints: choose Hold Shape, or switch the joints off")
+    return partial(drawing.poser, method, ties=ties)
 
 
 def unmoved(obj: bpy.types.Object, chosen: Iterable[int]) -> str | None:
