@@ -42,6 +42,18 @@ class JointOperator(PosingOperator):
         raise NotImplementedError
 
 
+class WeldRadius:
+    """How far from its place a weld holds vertices."""
+
+    radius: FloatProperty(
+        name="Radius",
+        description="How far from it a weld holds vertices, at rest; 0: a twentieth of the drawing",
+        subtype="DISTANCE",
+        unit="LENGTH",
+        min=0.0,
+    )
+
+
 class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
     bl_idname = "planar.attach"
     bl_label = "Attach"
@@ -71,7 +83,7 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
         )
 
 
-class PLANAR_OT_add_joint(JointOperator, bpy.types.Operator):
+class PLANAR_OT_add_joint(WeldRadius, JointOperator, bpy.types.Operator):
     bl_idname = "planar.add_joint"
     bl_label = "Add Joint"
     bl_description = "Hang two parts of the drawing together at a place where they lie on each other at rest"
@@ -80,13 +92,6 @@ class PLANAR_OT_add_joint(JointOperator, bpy.types.Operator):
         name="Location", description="World position of the joint", subtype="TRANSLATION", unit="LENGTH"
     )
     kind: EnumProperty(name="Kind", description="How the joint holds the two parts", items=JOINT_KINDS)
-    radius: FloatProperty(
-        name="Radius",
-        description="How far from it a weld holds vertices, at rest; 0: a twentieth of the drawing",
-        subtype="DISTANCE",
-        unit="LENGTH",
-        min=0.0,
-    )
     extend: BoolProperty(
         name="Extend", description="Keep the selected pins selected", default=False, options={"SKIP_SAVE"}
     )
@@ -118,19 +123,11 @@ class PLANAR_OT_add_joint(JointOperator, bpy.types.Operator):
         joint.select = True
 
 
-class PLANAR_OT_set_weld_radius(JointOperator, bpy.types.Operator):
+class PLANAR_OT_set_weld_radius(WeldRadius, JointOperator, bpy.types.Operator):
     bl_idname = "planar.set_weld_radius"
     bl_label = "Set Weld Radius"
     bl_description = (
         "Make welds of the selected joints: each holds what of its parts is within a radius at rest"
-    )
-
-    radius: FloatProperty(
-        name="Radius",
-        description="How far from it a weld holds vertices, at rest; 0: a twentieth of the drawing",
-        subtype="DISTANCE",
-        unit="LENGTH",
-        min=0.0,
     )
 
     def change(self, obj: bpy.types.Object, drawing: CutoutObject) -> None:
