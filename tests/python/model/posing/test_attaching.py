@@ -73,6 +73,20 @@ def test_a_limb_hangs_on_the_layer_next_to_it_and_not_on_what_it_happens_to_lie_
     assert {tuple(sorted((joint.carrier, joint.carried))) for joint in layered} == {(0, 1), (0, 2)}
 
 
+def test_two_legs_before_one_another_hang_on_the_body_and_on_each_other_only_without_it():
+    near, far = (0.6, -3.0, 1.1, 0.5), (0.75, -3.0, 1.25, 0.5)
+    cutout = rectangles(BODY, near, far)
+    shared = {overlap.parts: overlap.area for overlap in overlaps(cutout)}
+    assert shared[1, 2] > 4 * shared[0, 2]
+    for depths in (None, np.array([1.0, 0.0, -1.0])):
+        joints = attachments(cutout, depths)
+        assert {(joint.carrier, joint.carried) for joint in joints} == {(0, 1), (0, 2)}
+        for joint in joints:
+            leg = (near, far)[joint.carried - 1]
+            np.testing.assert_allclose(joint.place, (0.5 * (leg[0] + leg[2]), 0.25), atol=0.06)
+    assert [(joint.carrier, joint.carried) for joint in found(near, far)] == [(0, 1)]
+
+
 def test_a_small_part_that_lies_wholly_on_another_does_not_turn():
     joints = {joint.carried: joint for joint in found(BODY, HEAD, EYE)}
     assert (joints[2].carrier, joints[2].rigid) == (1, True)
