@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The headless command: in-betweens and bakes of a .blend without a window, as a render farm's job.
 
+    blender -b shot.blend --command planar --list
     blender -b shot.blend --command planar --object Hero --generate --bake POINT_CACHE --save
+    blender -b shot.blend --command planar --play --save //shot_baked.blend
     blender -b shot.blend --python-exit-code 1 --python-expr \
         "from bl_ext.user_default.planar_deform import batch; batch.main(['--object', 'Hero', '--generate'])"
 
@@ -11,6 +13,7 @@ Exit code 0: all done; 1: refused or failed, with the reason on stderr and nothi
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Sequence
@@ -48,7 +51,10 @@ def run(arguments: Sequence[str]) -> int:
             raise Refusal(
                 "The extension Planar Deform is not enabled in this Blender: enable it in the preferences"
             )
-        for name in _objects(options.object):
+        names = _objects(options.object)
+        if options.list:
+            print(json.dumps([name for name in names if bpy.data.objects[name].type == "MESH"]), flush=True)
+        for name in names:
             scene = _scene_of(bpy.data.objects[name])
             with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
                 bpy.context.view_layer.update()
@@ -67,14 +73,16 @@ def run(arguments: Sequence[str]) -> int:
 def _parsed(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog=f"blender -b FILE.blend --command {COMMAND}",
-        description="Generate in-betweens and bake poses, without a window.",
+        description="Generate in-betweens, bake poses and play what is baked, without a window.",
         epilog="Exit code 0: all done. 1: refused or failed, nothing is saved. 2: wrong usage.",
         allow_abbrev=False,
     )
     add = parser.add_argument
     add("--object", action="append", metavar="NAME", help="may be repeated; by default all that have poses")
+    add("--list", action="store_true", help="print which of them are meshes, as a line of JSON")
     add("--generate", action="store_true", help="generate the in-betweens")
     add("--bake", choices=[form for form, _, _ in bake.FORMS], type=str.upper, help="bake to this")
+    add("--play", action="store_true", help="play the point caches that are baked already")
     add("--filepath", help="file of a point cache; by default the object's own, beside the .blend")
     add("--replace", action="store_true", help="write the point cache even over another file")
     add("--free", action="store_true", help="remove the poses when they are in a point cache")
@@ -83,10 +91,14 @@ def _parsed(arguments: Sequence[str]) -> argparse.Namespace:
     add("--step", type=int, default=1, metavar="FRAMES", help="from one baked frame to the next")
     add("--save", nargs="?", const="", metavar="PATH", help="save the .blend, where it is or as another")
     options = parser.parse_args(list(arguments))
-    if not options.generate and options.bake is None:
-        parser.error("there is nothing to do: give --generate, --bake or both")
-    if options.bake != "POINT_CACHE" and (options.filepath is not None or options.replace or options.free):
-        parser.error("--filepath, --replace and --free are for --bake POINT_CACHE")
+    if not (options.list or options.generate or options.bake or options.play):
+        parser.error("there is nothing to do: give --generate, --bake, --play or --list")
+    if options.bake is not None and options.play:
+        parser.error("give --bake or --play, not both: what is baked is played")
+    if options.bake != "POINT_CACHE" and (options.replace or options.free):
+        parser.error("--replace and --free are for --bake POINT_CACHE")
+    if options.bake != "POINT_CACHE" and not options.play and options.filepath is not None:
+        parser.error("--filepath is for --bake POINT_CACHE and --play")
     if options.filepath is not None and len(options.object or ()) != 1:
         parser.error("--filepath is for one object: give its name with --object")
     if options.step < 1:
@@ -121,14 +133,16 @@ def _scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
 def _work(name: str, options: argparse.Namespace) -> None:
     obj = bpy.data.objects[name]
     try:
-        unasked = options.object is None and (len(obj.planar.poses) < 2 or in_space(obj))
-        if options.generate and not unasked:
+        needless = options.object is None or options.bake is not None
+        if options.generate and not (needless and (len(obj.planar.poses) < 2 or in_space(obj))):
             drawing = read_shape(obj)
             plan = planning.plan(drawing)
             shapes = plan.solve(_reporter(f"{name}: solving in-betweens"))
             _follow(f"{name}: writing in-betweens", writing.write(drawing, plan, shapes))
         if options.bake is not None:
             _bake(obj, options)
+        if options.play:
+            _play(obj, options)
     except (Refusal, ObjectGone, native.SolveError) as error:
         raise Refusal(f"{name}: {error}") from error
 
@@ -146,6 +160,18 @@ def _bake(obj: bpy.types.Object, options: argparse.Namespace) -> None:
     filepath = options.filepath or point_cache.default_path(obj)
     steps = bake.to(options.bake, obj, frames, filepath, replace=options.replace, free=options.free)
     _follow(f"{obj.name}: baking frames {frames[0]} to {frames[-1]}", steps)
+
+
+def _play(obj: bpy.types.Object, options: argparse.Namespace) -> None:
+    """Of an object that was not asked for, the cache that it has."""
+    filepath = options.filepath or point_cache.default_path(obj)
+    if options.object is None and not point_cache.file_at(filepath).exists():
+        return
+    reason = bake.refusal(obj)
+    if reason is not None:
+        raise Refusal(reason)
+    frames = bake.play_point_cache(obj, filepath)
+    print(f"{COMMAND}: {obj.name}: playing frames {frames[0]} to {frames[-1]}", flush=True)
 
 
 def _save(path: str) -> None:

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from outlines import lines
 from sequences import key, same, shown_at, stored
 from support import activate, add_end_pins, bar, make_object
 
@@ -114,6 +115,13 @@ def test_an_object_of_several_scenes_is_baked_with_the_one_in_front(shot, capsys
     )
 
 
+def test_of_one_pose_there_is_nothing_to_generate_before_it_is_baked(shot, capsys):
+    obj = bar(name="Held")
+    shown = key(obj, 5, 3)
+    assert run(capsys, "--object", "Held", "--generate", "--bake", "POINT_CACHE")[0] == 0
+    assert np.allclose(shown_at(obj, 9), shown, atol=1e-6)
+
+
 def test_one_object_into_a_file_of_its_own(shot, capsys):
     untouched = stored(bpy.data.objects["Two"])
     before = shot.read_bytes()
@@ -164,6 +172,97 @@ def test_a_refusal_is_exit_code_1_with_its_reason_and_nothing_saved(shot, capsys
     assert [path.name for path in shot.parent.iterdir()] == ["shot.blend"]
 
 
+def test_the_meshes_with_poses_are_listed(shot, capsys):
+    from planar_deform import batch
+
+    key(lines("2D curve", name="Line"), 1, 1)
+    before = shot.read_bytes()
+    assert batch.run(["--list"]) == 0
+    assert '["One", "Two"]' in capsys.readouterr().out.splitlines()
+    assert shot.read_bytes() == before
+
+
+def test_jobs_of_an_object_each_and_one_that_gathers_what_they_baked(shot, capsys):
+    """What one job does with all objects, done by one for each that saves nothing, and a last one."""
+    run(capsys, "--generate", "--bake", "POINT_CACHE", "--step", "2")
+    together = {name: [shown_at(bpy.data.objects[name], f) for f in (1, 4, 17)] for name in ("One", "Two")}
+    for path in shot.parent.glob("*.pc2"):
+        path.unlink()
+    before = shot.read_bytes()
+    for name in (*together, "One"):  # and a job that is tried again
+        opened(shot)
+        job = ["--object", name, "--generate", "--bake", "POINT_CACHE", "--step", "2", "--replace"]
+        assert run(capsys, *job)[0] == 0
+    assert shot.read_bytes() == before
+    opened(shot)
+    code, lines, errors = run(capsys, "--play", "--save", "//shot_baked.blend")
+    assert (code, errors) == (0, [])
+    assert "planar: One: playing frames 1 to 17" in lines
+    assert shot.read_bytes() == before
+    objects = opened(shot.parent / "shot_baked.blend")
+    for name, shapes in together.items():
+        assert objects[name].modifiers[0].filepath == f"//{name}_planar.pc2"
+        for frame, shape in zip((1, 4, 17), shapes, strict=True):
+            assert np.allclose(shown_at(objects[name], frame), shape, atol=1e-6)
+    assert not objects["Still"].modifiers
+
+
+def baked(shot, capsys):
+    """The file of One's point cache, which the open file knows nothing of."""
+    assert run(capsys, "--object", "One", "--bake", "POINT_CACHE")[0] == 0
+    opened(shot)
+    return shot.parent / "One_planar.pc2"
+
+
+def cut_off(path):
+    path.write_bytes(path.read_bytes()[:-12])
+
+
+def of_another_mesh(path):
+    path.write_bytes(path.read_bytes()[:16] + b"\7\0\0\0" + path.read_bytes()[20:])
+
+
+def something_else(path):
+    path.write_bytes(b"a page of a diary, and long enough for a header")
+
+
+def played_already(path):
+    bpy.data.objects["Two"].modifiers.new("Cache", "MESH_CACHE").filepath = f"//{path.name}"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda path: path.unlink(), "There is no point cache"),
+        (cut_off, "is not complete"),
+        (of_another_mesh, "of another mesh, of 7 vertices and not 65"),
+        (something_else, "is not a point cache"),
+        (played_already, "is the point cache of 'Two'"),
+    ],
+)
+def test_what_is_no_whole_cache_of_the_object_is_not_played(shot, capsys, spoil, message):
+    spoil(baked(shot, capsys))
+    before = shot.read_bytes()
+    code, _, errors = run(capsys, "--object", "One", "--play", "--save")
+    assert code == 1
+    assert message in errors[0]
+    assert "One" in errors[0]
+    assert not bpy.data.objects["One"].modifiers
+    assert shot.read_bytes() == before
+
+
+def test_a_cache_that_is_played_is_out_of_date_when_poses_change(shot, capsys):
+    from planar_deform.scene.motion import cache_age
+
+    baked(shot, capsys)
+    assert run(capsys, "--play")[0] == 0
+    obj = bpy.data.objects["One"]
+    assert not cache_age.is_out_of_date(obj)
+    obj.modifiers[0].show_viewport = False
+    key(obj, 5, 3)
+    assert cache_age.is_out_of_date(obj)
+
+
 def test_a_file_without_poses_is_refused(capsys):
     make_object([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     code, _, errors = run(capsys, "--generate")
@@ -193,6 +292,9 @@ def test_a_file_that_was_never_saved_needs_a_path(capsys):
         ["--generate", "--step", "0"],
         ["--generate", "--start", "one"],
         ["--generate", "--colour"],
+        ["--bake", "SHAPES", "--play"],
+        ["--play", "--replace"],
+        ["--generate", "--filepath", "x.pc2", "--object", "One"],
         ["One", "--generate"],
     ],
 )

@@ -125,6 +125,21 @@ def to_point_cache(
         pose_edit.clear(obj)
 
 
+def play_point_cache(obj: bpy.types.Object, filepath: str) -> range:
+    """Let a Mesh Cache modifier play a .pc2 file that is baked already, elsewhere; its frames.
+
+    Raises Refusal where there is none, or it is of another mesh or object.
+    """
+    if obj.type != "MESH":
+        raise Refusal(f"'{obj.name}' is not a mesh and has no point cache")
+    path = point_cache.file_at(filepath)
+    point_cache.check_unshared(obj, path)
+    frames = point_cache.baked_frames(path, points.count(obj))
+    point_cache.play(obj, path, frames)
+    obj.planar.cache_stamp = cache_age.stamp(obj, frames)
+    return frames
+
+
 def to_relative_keys(obj: bpy.types.Object, frames: range) -> Generator[float, None, None]:
     """A relative shape key for each frame, each with a curve that blends it in and out; the poses go.
 

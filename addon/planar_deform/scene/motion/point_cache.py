@@ -26,6 +26,8 @@ from ...model.plane.frame import Array32
 
 MODIFIER = "Point Cache"
 SUFFIX = ".pc2"
+HEADER = struct.Struct("<12siiffi")  # signature, version, vertices, first frame, frames to the next, samples
+SIGNATURE = b"POINTCACHE2\0"
 # Blender takes a number up to 1e-4 above a sample's for the sample itself, but none below it, where rounding
 # may bring it when it is divided by a step.
 SNAP = 5e-5
@@ -54,16 +56,12 @@ def checked_path(obj: bpy.types.Object, filepath: str, *, replace: bool) -> Path
     """
     if not bpy.data.filepath and filepath.startswith("//"):
         raise Refusal("The point cache is kept beside the .blend: save that first, or give an absolute path")
-    path = _file(filepath)
+    path = file_at(filepath)
     if not path.suffix:
         raise Refusal(f"'{filepath}' is no name of a file: add one")
     if not path.parent.is_dir():
         raise Refusal(f"There is no folder '{path.parent}': make it, or choose another")
-    others = _other_users(obj, path)
-    if others:
-        raise Refusal(
-            f"'{path.name}' is the point cache of '{others[0]}': choose another name, or rename one"
-        )
+    check_unshared(obj, path)
     if path.is_dir():
         raise Refusal(f"'{path}' is a folder: choose another name")
     if path.exists():
@@ -74,9 +72,23 @@ def checked_path(obj: bpy.types.Object, filepath: str, *, replace: bool) -> Path
     return path
 
 
+def check_unshared(obj: bpy.types.Object, path: Path) -> None:
+    """Raises Refusal where another object plays the file."""
+    others = _other_users(obj, path)
+    if others:
+        raise Refusal(
+            f"'{path.name}' is the point cache of '{others[0]}': choose another name, or rename one"
+        )
+
+
+def file_at(filepath: str) -> Path:
+    """The file that a path of the .blend means, absolute and with the suffix of caches."""
+    return _absolute(bpy.path.ensure_ext(filepath, SUFFIX))
+
+
 def is_foreign(obj: bpy.types.Object, filepath: str) -> bool:
     """Whether there is a file already which is not the object's own cache."""
-    path, modifier = _file(filepath), modifier_of(obj)
+    path, modifier = file_at(filepath), modifier_of(obj)
     return path.exists() and (modifier is None or _file_of(modifier) != path)
 
 
@@ -88,9 +100,7 @@ def written(path: Path, count: int, frames: range) -> Iterator[BinaryIO]:
     before still is. Raises Refusal where Blender may not write.
     """
     partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
-    header = struct.pack(
-        "<12siiffi", b"POINTCACHE2\0", 1, count, float(frames.start), float(frames.step), len(frames)
-    )
+    header = HEADER.pack(SIGNATURE, 1, count, float(frames.start), float(frames.step), len(frames))
     try:
         with partial.open("xb") as file:
             file.write(header)
@@ -103,6 +113,27 @@ def written(path: Path, count: int, frames: range) -> Iterator[BinaryIO]:
     finally:
         with contextlib.suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+def baked_frames(path: Path, count: int) -> range:
+    """The frames that a file has samples of `count` vertices of.
+
+    Raises Refusal where there is no such file, or it is not one that a bake has written for such a mesh.
+    """
+    try:
+        with path.open("rb") as file:
+            header = file.read(HEADER.size)
+            size = file.seek(0, os.SEEK_END)
+    except OSError as error:
+        raise Refusal(f"There is no point cache '{path}': bake it first") from error
+    if len(header) < HEADER.size or not header.startswith(SIGNATURE):
+        raise Refusal(f"'{path}' is not a point cache: bake it again")
+    _, _, vertices, start, step, samples = HEADER.unpack(header)
+    if vertices != count:
+        raise Refusal(f"'{path}' is of another mesh, of {vertices} vertices and not {count}: bake it again")
+    if samples < 1 or step < 1 or size != HEADER.size + samples * count * 12:
+        raise Refusal(f"'{path}' is not complete: bake it again")
+    return range(round(start), round(start) + samples * round(step), round(step))
 
 
 def packed(shape: Array32) -> bytes:
@@ -139,10 +170,6 @@ def play(obj: bpy.types.Object, path: Path, frames: range) -> None:
 def _absolute(filepath: str, library: bpy.types.Library | None = None) -> Path:
     # Without resolving links, which the user may have set up to be followed later.
     return Path(os.path.abspath(bpy.path.abspath(filepath, library=library)))  # noqa: PTH100  takes .. away
-
-
-def _file(filepath: str) -> Path:
-    return _absolute(bpy.path.ensure_ext(filepath, SUFFIX))
 
 
 def _file_of(modifier: bpy.types.Modifier) -> Path | None:
