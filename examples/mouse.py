@@ -25,7 +25,15 @@ FAR = 0.13  # how far the far leg stands before the near one
 
 def layers() -> list[Layer]:
     """The mouse from back to front, standing on z = 0 and looking to the right, four units tall with its cap."""
-    return [_tail(), _far_arm(), _leg("Far Leg", 0.12, FAR), _leg("Near Leg", 0.06, 0.0), _body(), _head(), _near_arm()]
+    return [
+        _tail(),
+        _far_arm(),
+        _leg("Far Leg", 0.12, FAR),
+        _leg("Near Leg", 0.06, 0.0),
+        _body(),
+        _head(),
+        _near_arm(),
+    ]
 
 
 def lantern() -> list[Layer]:
@@ -43,7 +51,9 @@ def lantern() -> list[Layer]:
     heart = blob([(x, z - 0.56, "corner"), (x + 0.04, z - 0.65), (x, z - 0.71), (x - 0.04, z - 0.65)])
     layer.fill(heart, (255, 238, 150), shade=0, outline=False)
     for dx in (-0.10, 0.10):
-        layer.stroke([(x + dx, z - 0.43), (x + 1.3 * dx, z - 0.60), (x + dx, z - 0.77)], 0.028, tint(BRASS, -0.5))
+        layer.stroke(
+            [(x + dx, z - 0.43), (x + 1.3 * dx, z - 0.60), (x + dx, z - 0.77)], 0.028, tint(BRASS, -0.5)
+        )
     cap = blob([(x - 0.07, z - 0.30, "corner"), (x + 0.07, z - 0.30, "corner"), (x + 0.22, z - 0.44, "corner"),
                 (x - 0.22, z - 0.44, "corner")])  # fmt: skip
     layer.fill(cap, BRASS, shade=0.035)
@@ -140,7 +150,11 @@ def _head() -> Layer:
     layer.fill(ellipse(1.00, 2.50, 0.085, 0.075, -20), (216, 92, 104), shade=0.025)
     layer.fill(ellipse(0.985, 2.525, 0.025, 0.016), (255, 220, 220), shade=0, outline=False)
     layer.stroke([(0.93, 2.38), (0.80, 2.33), (0.62, 2.345), (0.54, 2.40)], 0.032)
-    for start, end in (((0.72, 2.44), (0.50, 2.20)), ((0.76, 2.43), (0.66, 2.14)), ((0.70, 2.47), (0.38, 2.31))):
+    for start, end in (
+        ((0.72, 2.44), (0.50, 2.20)),
+        ((0.76, 2.43), (0.66, 2.14)),
+        ((0.70, 2.47), (0.38, 2.31)),
+    ):
         middle = (0.5 * (start[0] + end[0]) + 0.02, 0.5 * (start[1] + end[1]) - 0.03)
         layer.stroke([start, middle, end], 0.016, tint(FUR, -0.6))
     _cap(layer)
@@ -169,7 +183,15 @@ def _cap(layer: Layer) -> None:
         (-0.36, 3.34), (-0.28, 3.20), (-0.26, 3.06, "corner"),
     ])  # fmt: skip
     layer.fill(cone, CAP, shade=0.075)
-    for x, z in ((0.30, 3.34), (0.02, 3.42), (-0.32, 3.54), (-0.66, 3.40), (-0.06, 3.20), (0.38, 3.16), (0.14, 3.60)):
+    for x, z in (
+        (0.30, 3.34),
+        (0.02, 3.42),
+        (-0.32, 3.54),
+        (-0.66, 3.40),
+        (-0.06, 3.20),
+        (0.38, 3.16),
+        (0.14, 3.60),
+    ):
         layer.fill(ellipse(x, z, 0.042, 0.042), tint(CAP, 0.55), shade=0, outline=False, inside=cone)
     layer.stroke([(-0.30, 3.33), (-0.20, 3.44), (-0.08, 3.50)], 0.026, tint(CAP, -0.5))
     layer.fill(ellipse(-1.02, 2.86, 0.135, 0.135), CREAM, shade=0.045)
@@ -199,9 +221,14 @@ def _near_arm() -> Layer:
     layer = Layer("Near Arm", depth=-0.12)
     sleeve = limb([(0.00, 1.96), (-0.11, 1.70), (-0.13, 1.46), (-0.05, 1.24)], (0.165, 0.155, 0.14, 0.13))
     x, z = 0.02, 1.02
-    fingers = [limb([(x, z), tip], (0.05, 0.042)) for tip in ((x - 0.03, z - 0.15), (x + 0.05, z - 0.155), (x + 0.12, z - 0.12))]
+    fingers = [
+        limb([(x, z), tip], (0.05, 0.042))
+        for tip in ((x - 0.03, z - 0.15), (x + 0.05, z - 0.155), (x + 0.12, z - 0.12))
+    ]
     thumb = limb([(x + 0.03, z + 0.05), (x + 0.14, z + 0.0)], (0.045, 0.04))
-    paw = unary_union([limb([(-0.05, 1.22), (x, z)], (0.075, 0.075)), ellipse(x, z, 0.10, 0.115, -15), thumb, *fingers])
+    paw = unary_union(
+        [limb([(-0.05, 1.22), (x, z)], (0.075, 0.075)), ellipse(x, z, 0.10, 0.115, -15), thumb, *fingers]
+    )
     layer.fill(paw, FUR, shade=0.04)
     layer.fill(sleeve, COAT, shade=0.06)
     layer.fill(limb([(-0.175, 1.215), (0.085, 1.27)], (0.06, 0.06)), tint(COAT, -0.3), shade=0.025)

@@ -115,7 +115,11 @@ def extract(name: str, folders: tuple[str, ...], target: Path) -> None:
     with tarfile.open(archive(name)) as content:
         for member in content:
             inside = Path(*Path(member.name).parts[1:])
-            if member.isfile() and inside.is_relative_to(Path(inside.parts[0])) and inside.parts[0] in folders:
+            if (
+                member.isfile()
+                and inside.is_relative_to(Path(inside.parts[0]))
+                and inside.parts[0] in folders
+            ):
                 member.name = str(inside)
                 content.extract(member, partial, filter="data")
     partial.rename(target)
@@ -172,7 +176,9 @@ def windows_python(tag: str) -> None:
     extract(f"python{tag[2]}.{tag[3:]}", ("Include", "PC"), partial)
     headers = partial / "Include"
     # Up to 3.12 a header; then the installer writes it, from one that it leaves as it is but for the threads' lock.
-    template = partial / "PC" / ("pyconfig.h" if (partial / "PC" / "pyconfig.h").exists() else "pyconfig.h.in")
+    template = (
+        partial / "PC" / ("pyconfig.h" if (partial / "PC" / "pyconfig.h").exists() else "pyconfig.h.in")
+    )
     shutil.copy(template, headers / "pyconfig.h")
     # Everything that the headers declare. What a module does not use is not imported, be it in the DLL or not.
     declared = re.compile(r"PyAPI_(FUNC|DATA)\([^)]*\)\s*(?:_Py_NO_RETURN\s+)?(\w+)")

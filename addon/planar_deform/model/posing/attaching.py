@@ -20,7 +20,9 @@ LEAST = 1e-5  # of the squared diagonal: parts that share less only touch
 DEEP, ROOT = 0.8, 0.5
 # A part of which this much lies on one that is so many times as large, an eye or a button, turns on nothing.
 COVERED, SMALL = 0.95, 10.0
-PAIR = 0.35  # parts that share this much of the larger one lie along each other, as two legs seen from the side
+PAIR = (
+    0.35  # parts that share this much of the larger one lie along each other, as two legs seen from the side
+)
 SAME_LAYER = 1e-4  # of the diagonal: parts that are as near in depth are of one layer
 
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array32
+from ..storage import paths
 
 MODIFIER = "Point Cache"
 SUFFIX = ".pc2"
@@ -83,7 +84,7 @@ def check_unshared(obj: bpy.types.Object, path: Path) -> None:
 
 def file_at(filepath: str) -> Path:
     """The file that a path of the .blend means, absolute and with the suffix of caches."""
-    return _absolute(bpy.path.ensure_ext(filepath, SUFFIX))
+    return paths.absolute(bpy.path.ensure_ext(filepath, SUFFIX))
 
 
 def is_foreign(obj: bpy.types.Object, filepath: str) -> bool:
@@ -150,7 +151,7 @@ def play(obj: bpy.types.Object, path: Path, frames: range) -> None:
     obj.modifiers.move(obj.modifiers.find(modifier.name), 0)
     settings = {
         "cache_format": "PC2",
-        "filepath": _stored(path),
+        "filepath": paths.stored(path),
         "play_mode": "SCENE",
         "time_mode": "FRAME",
         "interpolation": "LINEAR",
@@ -167,21 +168,8 @@ def play(obj: bpy.types.Object, path: Path, frames: range) -> None:
     obj.update_tag()  # the file may be another one under the same name
 
 
-def _absolute(filepath: str, library: bpy.types.Library | None = None) -> Path:
-    # Without resolving links, which the user may have set up to be followed later.
-    return Path(os.path.abspath(bpy.path.abspath(filepath, library=library)))  # noqa: PTH100  takes .. away
-
-
 def _file_of(modifier: bpy.types.Modifier) -> Path | None:
-    return _absolute(modifier.filepath, modifier.id_data.library) if modifier.filepath else None
-
-
-def _stored(path: Path) -> str:
-    """The path as the .blend keeps it on every system: relative to itself where there is a way from it."""
-    if bpy.data.filepath:
-        with contextlib.suppress(ValueError):  # another drive
-            return str(bpy.path.relpath(str(path))).replace(os.sep, "/")
-    return str(path)
+    return paths.absolute(modifier.filepath, modifier.id_data.library) if modifier.filepath else None
 
 
 def _other_users(obj: bpy.types.Object, path: Path) -> list[str]:
