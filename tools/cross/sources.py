@@ -48,7 +48,7 @@ ARCHIVES = {
 }
 # Whose Python the Blenders have: 4.2 to 5.0, 5.1 and newer, Debian's own newest.
 PYTHON_RELEASES = ("bookworm", "trixie", "sid")
-SUITESPARSE_PARTS = ("AMD", "CAMD", "CCOLAMD", "CHOLMOD", "COLAMD", "SuiteSparse_config")
+SUITESPARSE_PARTS = ("AMD", "CAMD", "CCOLAMD", "CHOLMOD", "COLAMD", "LICENSE.txt", "SuiteSparse_config")
 
 
 def run(*command: str | Path, cwd: Path | None = None) -> str:
@@ -108,14 +108,14 @@ def archive(name: str) -> Path:
     return target
 
 
-def extract(name: str, folders: tuple[str, ...], target: Path) -> None:
-    """Those folders of a source package, without the one that holds them all."""
+def extract(name: str, parts: tuple[str, ...], target: Path) -> None:
+    """Those parts of a source package, without the folder that holds them all."""
     partial = target.with_name(f"{target.name}.partial")
     shutil.rmtree(partial, ignore_errors=True)
     with tarfile.open(archive(name)) as content:
         for member in content:
             inside = Path(*Path(member.name).parts[1:])
-            if member.isfile() and inside.is_relative_to(Path(inside.parts[0])) and inside.parts[0] in folders:
+            if member.isfile() and inside.parts and inside.parts[0] in parts:
                 member.name = str(inside)
                 content.extract(member, partial, filter="data")
     partial.rename(target)
