@@ -47,7 +47,10 @@ PLATFORMS = {
     platform.name: platform
     for platform in (
         Platform(
-            "linux-x64", "manylinux_2_28_x86_64", ".cpython-{}-x86_64-linux-gnu.so", ("cp311", "cp313", "cp314")
+            "linux-x64",
+            "manylinux_2_28_x86_64",
+            ".cpython-{}-x86_64-linux-gnu.so",
+            ("cp311", "cp313", "cp314"),
         ),
         Platform("windows-x64", "win_amd64", ".cp{}-win_amd64.pyd"),
         Platform("macos-arm64", "macosx_11_0_arm64", ".cpython-{}-darwin.so"),

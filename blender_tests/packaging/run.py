@@ -196,7 +196,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Packaging tests of Planar Deform.")
     parser.add_argument("--blender", help="a Blender 4.2 or newer (default: the bpy of this Python)")
     options = parser.parse_args()
-    archives = sorted((PROJECT / "dist").glob("planar_deform-*-linux_x64.zip"), key=lambda path: path.stat().st_mtime)
+    archives = sorted(
+        (PROJECT / "dist").glob("planar_deform-*-linux_x64.zip"), key=lambda path: path.stat().st_mtime
+    )
     if not archives:
         raise SystemExit("No extension in dist/: run 'make extension' first.")
 

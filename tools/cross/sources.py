@@ -172,7 +172,9 @@ def windows_python(tag: str) -> None:
     extract(f"python{tag[2]}.{tag[3:]}", ("Include", "PC"), partial)
     headers = partial / "Include"
     # Up to 3.12 a header; then the installer writes it, from one that it leaves as it is but for the threads' lock.
-    template = partial / "PC" / ("pyconfig.h" if (partial / "PC" / "pyconfig.h").exists() else "pyconfig.h.in")
+    template = (
+        partial / "PC" / ("pyconfig.h" if (partial / "PC" / "pyconfig.h").exists() else "pyconfig.h.in")
+    )
     shutil.copy(template, headers / "pyconfig.h")
     # Everything that the headers declare. What a module does not use is not imported, be it in the DLL or not.
     declared = re.compile(r"PyAPI_(FUNC|DATA)\([^)]*\)\s*(?:_Py_NO_RETURN\s+)?(\w+)")
