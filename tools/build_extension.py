@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on and a wheel of the module, of each platform named.
+"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on and a wheel of the module for each platform.
 
 The wheel serves every Python whose headers tools/cross/sources.py has: it has a module for each, linked to
 nothing but the platform's own libraries. It is built unless the last one is up to date. The zip is named as

@@ -3,7 +3,7 @@
 """What can be told of the built extension's files without running them: tools/extension_files.sh.
 
 Each platform's zip holds a wheel with a module for each Python; every module needs the platform's own
-libraries alone, in versions that Blender's oldest systems have, shows nothing but its init function and has the
+libraries alone, in versions that its oldest systems have, shows nothing but its init function and has the
 kernels for AVX2. Blender's own tool says of each zip that it is valid. Exit code 0 only if all passed.
 
 usage: binaries.py BLENDER_EXT PLATFORM...        BLENDER_EXT: blender_ext.py of a Blender
