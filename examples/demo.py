@@ -28,6 +28,7 @@ sys.path.insert(0, str(ROOT / "addon"))
 
 import arcs  # noqa: E402
 import attached  # noqa: E402
+import carried  # noqa: E402
 import comparison  # noqa: E402
 import contact_sheet  # noqa: E402
 import cutout  # noqa: E402
@@ -133,6 +134,7 @@ def run(pictures: Path | None) -> None:
 
     if pictures:
         in_parts = contact_sheet.sheet("Layers that hang together", [attached.cells()])
+        in_hand = contact_sheet.sheet("A lantern that the hand carries", [carried.cells()])
     in_lattices = bend()
     laid_flat = unroll()
     out = ROOT / "out"
@@ -155,7 +157,7 @@ def run(pictures: Path | None) -> None:
         images["flatten"] = contact_sheet.sheet("A surface laid flat, and what it is posed by", [laid_flat])
         images["methods"] = contact_sheet.sheet("The same drags by each method", compared)
         images["feet"] = contact_sheet.sheet("Feet held by their middle, and each", feet.rows())
-        images["attach"] = in_parts
+        images["attach"], images["carried"] = in_parts, in_hand
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
     wrote = ("demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png")

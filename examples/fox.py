@@ -49,7 +49,28 @@ def _lantern_arm() -> Layer:
     sleeve = limb([(0.22, 2.34), (0.56, 2.14), (0.86, 1.86)], (0.15, 0.125, 0.12))
     forearm = limb([(0.78, 1.92), (1.02, 1.72), (1.22, 1.50)], (0.075, 0.07, 0.075))
     x, z = 1.28, 1.42  # the hand
-    # The lantern hangs from the hand: a ring, a cap, a glass and a foot. The ring's inside is the hole.
+    _hang_lantern(layer, x, z)
+    layer.fill(forearm, SOCK, shade=0.035)
+    layer.fill(ellipse(x - 0.02, z + 0.02, 0.125, 0.115, -20), SOCK, shade=0.04)
+    for dx, dz in ((-0.075, -0.06), (0.0, -0.085), (0.075, -0.06)):
+        layer.fill(ellipse(x + dx, z + dz, 0.05, 0.06), tint(SOCK, 0.10), shade=0.02)
+    layer.fill(sleeve, tint(SWEATER, -0.18), shade=0.05)
+    layer.fill(limb([(0.83, 1.91), (0.89, 1.84)], (0.115, 0.115)), tint(SWEATER, -0.40), shade=0.03)
+    layer.gradient(
+        ellipse(0.15, 2.36, 0.32, 0.34), tint(SWEATER, -0.7), inside=sleeve, blur=0.08, opacity=0.7
+    )
+    return layer
+
+
+def lantern(x: float, z: float, depth: float) -> Layer:
+    """A lantern of its own, of which a hand has hold at (x, z)."""
+    layer = Layer("Lantern", depth=depth)
+    _hang_lantern(layer, x, z)
+    return layer
+
+
+def _hang_lantern(layer: Layer, x: float, z: float) -> None:
+    """It hangs from a hand there: a ring, a cap, a glass and a foot. The ring's inside is the hole."""
     ring = ellipse(x, z - 0.17, 0.28, 0.32).difference(ellipse(x, z - 0.17, 0.205, 0.25))
     layer.fill(ring, BRASS, shade=0.03)
     glass = blob(
@@ -86,16 +107,6 @@ def _lantern_arm() -> Layer:
     )
     layer.fill(cap, BRASS, shade=0.04)
     layer.fill(box(x - 0.24, z - 1.06, x + 0.24, z - 0.95), BRASS, shade=0.04)
-    layer.fill(forearm, SOCK, shade=0.035)
-    layer.fill(ellipse(x - 0.02, z + 0.02, 0.125, 0.115, -20), SOCK, shade=0.04)
-    for dx, dz in ((-0.075, -0.06), (0.0, -0.085), (0.075, -0.06)):
-        layer.fill(ellipse(x + dx, z + dz, 0.05, 0.06), tint(SOCK, 0.10), shade=0.02)
-    layer.fill(sleeve, tint(SWEATER, -0.18), shade=0.05)
-    layer.fill(limb([(0.83, 1.91), (0.89, 1.84)], (0.115, 0.115)), tint(SWEATER, -0.40), shade=0.03)
-    layer.gradient(
-        ellipse(0.15, 2.36, 0.32, 0.34), tint(SWEATER, -0.7), inside=sleeve, blur=0.08, opacity=0.7
-    )
-    return layer
 
 
 def _leg(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from cutouts import activate, imported, pin, pin_data, shape
+from cutouts import activate, imported, pin, pin_data, shape, sheet
 from harness import Window, addon
 
 HAND = (1.5, 0.0, 0.0)
@@ -82,6 +82,48 @@ def test_the_drawing_follows_while_its_control_is_dragged(window: Window) -> Ite
     yield from window.redo()
     yield from window.wait(0.5)
     assert np.allclose(shape(drawing()), after, atol=1e-5)
+
+
+def test_what_a_drawing_carries_goes_along_in_the_same_drag(window: Window) -> Iterator[None]:
+    """Dragged by its pin it takes its lantern along before the button is released; Esc takes both back."""
+    carried = sheet("Lantern", columns=2, rows=4, at=(1.5, -0.05, -0.5))
+    bpy.ops.planar.add_pin(location=(1.5, -0.05, -0.1))
+    bpy.ops.planar.add_pin(location=(1.5, -0.05, -0.9), extend=True)
+    obj = sheet(columns=16, rows=2)
+    pin((-1.5, 0.0, 0.0), HAND)
+    carried.select_set(True)
+    yield from window.look("FRONT")
+    with window.context():
+        assert bpy.ops.planar.attach_to() == {"FINISHED"}
+    activate(obj)
+    yield from window.use_tool()
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.hover(window.pixel(HAND))
+    yield from window.wait(0.5)
+
+    def now() -> list[np.ndarray]:
+        return [shape(bpy.data.objects[name]) for name in ("Sheet", "Lantern")]
+
+    before = now()
+    yield from window.press()
+    yield from window.move(window.pixel((1.2, 0.0, 0.7)), steps=6)
+    yield from window.wait(0.5)
+    window.picture("carried")
+    assert (now()[1] - before[1]).mean(axis=0)[2] > 0.5, "before the button is released"
+    yield from window.key("ESC")
+    yield from window.release()
+    yield from window.wait(0.5)
+    assert np.array_equal(now()[0], before[0]), "to the bit"
+    assert np.array_equal(now()[1], before[1])
+    yield from window.drag(window.pixel(HAND), window.pixel((1.2, 0.0, 0.7)))
+    yield from window.wait(0.5)
+    after = now()
+    assert np.abs(after[1] - before[1]).max() > 0.5
+    for step, shapes in ((window.undo, before), (window.redo, after)):
+        yield from step()
+        yield from window.wait(0.5)
+        assert np.allclose(now()[0], shapes[0], atol=1e-5)
+        assert np.allclose(now()[1], shapes[1], atol=1e-5)
 
 
 def test_the_timeline_plays_it(window: Window) -> Iterator[None]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from follow_scenes import (
     HAND,
+    TIP,
     angle,
     axes,
     empty,
@@ -368,3 +369,28 @@ def test_a_lattice_is_not_followed_in_renders_which_is_told_once(tmp_path, capsy
     said = capsys.readouterr().out
     assert said.count("the picture does not show what the pins of this lattice follow: use Bake Pins") == 1
     assert cage.planar.live
+
+
+@pytest.mark.parametrize("poses", [False, True])
+def test_partners_on_the_other_side_go_along(poses):
+    """With Symmetry the pin at the left goes the way of the one at the right that follows, mirrored."""
+    obj = imported()
+    add_pins(obj, [26], [38], [6], [58])
+    if poses:
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    control = empty(held(obj, TIP))
+    obj.planar.pins[1].follow = control
+    swinging(control, offsets=((0, 0, 0), (0.1, 0.0, 0.25), (-0.1, 0.0, -0.2)))
+    activate(obj)
+    start = held(obj, [26])
+    obj.planar.live, obj.planar.use_mirror_x = True, True
+    for frame in (9, 17, 4, 1):
+        bpy.context.scene.frame_set(frame)
+        way = held(obj, TIP) - start - (1.2, 0.0, 0.0)
+        np.testing.assert_allclose(held(obj, [26]) - start, way * (-1.0, 1.0, 1.0), atol=CLOSE)
+    bpy.context.scene.frame_set(9)
+    left = held(obj, [26])
+    assert np.linalg.norm(left - start) > 0.2
+    obj.planar.use_mirror_x = False
+    bpy.context.scene.frame_set(17)
+    np.testing.assert_allclose(held(obj, [26]), start if poses else left, atol=CLOSE)

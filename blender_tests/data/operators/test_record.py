@@ -206,3 +206,22 @@ def test_the_preview_range_is_the_range():
     assert _frames_left(scene) == 5
     scene.frame_set(9)
     assert _frames_left(scene) is None
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_with_symmetry_the_other_side_is_recorded_too(again):
+    """Also where there are poses: the partner goes on from where these have it."""
+    obj = bar()
+    add_end_pins(obj)
+    before = evaluated(obj)
+    if again:
+        assert record(np.zeros((21, 3)), smoothing=0.0) == {"FINISHED"}
+        bpy.context.scene.frame_set(1)
+    obj.planar.use_mirror_x = True
+    path = wave() * (-0.5, 1.0, 1.0)
+    assert record(path, smoothing=0.0) == {"FINISHED"}
+    for frame in (1, 6, 11, 21):
+        bpy.context.scene.frame_set(frame)
+        ways = (evaluated(obj) - before)[[26, 38], :2]
+        assert ways[1] == pytest.approx(path[frame - 1, :2], abs=6e-3)
+        assert ways[0] == pytest.approx(ways[1] * (-1.0, 1.0), abs=6e-3)

@@ -14,7 +14,6 @@ from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array
 from ...model.posing import solving
-from ...model.posing.pin_mirror import paired
 from ...model.posing.pins import Holder
 from ...model.posing.posing import MOST_REFINEMENTS, Posing, Sample, Solved
 from ...scene.flatten import pushing
@@ -22,7 +21,7 @@ from ...scene.lattice.posed import begin_posing
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
 from ...scene.objects.cutout_object import CutoutObject
-from ...scene.pins import joint_list, pin_list, pose_holding
+from ...scene.pins import joint_list, partners, pin_list, pose_holding
 from ...scene.view import snapshot
 from .. import keying
 
@@ -118,18 +117,8 @@ class ObjectPosing:
             make_poser = partial(self._solver, positions)
             self._off = [Holder(pin, cutout) for pin in self._pins if not pin.enabled]
             self._model = self._make_model(cutout, positions, self._pins, moving, make_poser, self._pivot)
-            self._model.mirrored = self._mirrored(moving, usable)
+            self._model.mirrored = partners.going_along(self.drawing.resolve(), cutout, self._pins, moving)
         return self._model
-
-    def _mirrored(self, moving: set[int], usable: set[int]) -> dict[int, int]:
-        """The pins that go along with their partners on the other side, and these, by their keys."""
-        settings, cutout = self.drawing.resolve().planar, self.drawing.cutout
-        if not settings.use_mirror_x or not cutout.flat:
-            return {}
-        named = [(settings.pins[pin.key].name, Holder(pin, cutout)) for pin in self._pins]
-        partners, _ = paired(cutout, named, axis=0)
-        keys = ((self._pins[other].key, self._pins[index].key) for index, other in partners.items())
-        return {other: key for other, key in keys if key in moving and other in usable - moving}
 
     @cached_property
     def leading(self) -> Holder | None:

@@ -28,7 +28,7 @@ from ..lattice.posed import PosedObject
 from ..lattice.posed_lattice import PosedLattice
 from ..lattice.rig import waiting
 from ..objects.cutout_object import CutoutObject, read_cutout
-from ..pins import controls, dependencies, followed_mesh, joint_list, pin_list
+from ..pins import controls, dependencies, followed_mesh, joint_list, partners, pin_list
 from ..sequence import pose_state
 
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
@@ -145,7 +145,10 @@ def followed(
         stood = goals.get(holder.pin.key)
         goals[holder.pin.key] = goal if stood is None else goal._replace(scale=stood.scale)
     poser = partial(joint_list.solver_of(obj, drawing, joints), positions)
-    return PinFollow(drawing.cutout, positions, [holder.pin for holder in holders], goals, poser)
+    pins, cutout = [holder.pin for holder in holders], drawing.cutout
+    posing = PinFollow(cutout, positions, pins, goals, poser)
+    posing.mirrored = partners.going_along(obj, cutout, pins, {holder.pin.key for holder in going})
+    return posing
 
 
 def _goal(

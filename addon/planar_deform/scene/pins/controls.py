@@ -61,7 +61,8 @@ def stamp(obj: bpy.types.Object, frame: float, depsgraph: bpy.types.Depsgraph) -
     inverse = np.linalg.pinv(matrix_of(obj, depsgraph))  # what is flat is refused elsewhere
     local = np.einsum("ij,kjl->kil", inverse, np.stack(list(goals.values())))[:, :3]
     shown = played_value(obj.data.shape_keys, frame) if pose_state.is_ours(obj) else ""
-    return f"{list(goals)}{local.astype(np.float32).tobytes().hex()}{shown}"
+    mirrored = "X" if obj.planar.use_mirror_x else ""
+    return f"{list(goals)}{mirrored}{local.astype(np.float32).tobytes().hex()}{shown}"
 
 
 def matrix_of(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Array:
