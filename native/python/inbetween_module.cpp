@@ -183,7 +183,7 @@ are held on their ways: straight from key to key, so that what stands in both st
 times (entries that are nan: the pin's own way; at a key's time there is the key). pin_groups k integers: handles of one group are a
 patch, which is turned as it goes. pinned (K-1) x k truths: which are held between which keys (None: all). smooth: velocities are continuous at the keys, too; what rests or turns back at a key
 does so without overshoot, and what is between two keys then depends on the ones next to them as well. cage, 12 at least: about how many vertices a coarse mesh has that is solved on in place of
-a larger one (triangles and method "midpoint" only, without pins), which is carried along. tolerance of [AIAP 11], a share of the diagonal of the square that holds the keys however they are turned. The result does not depend on threads (0: one per core).
+a larger one (triangles and method "midpoint" only), which is carried along. tolerance of [AIAP 11], a share of the diagonal of the square that holds the keys however they are turned. The result does not depend on threads (0: one per core).
 
 method "midpoint" solves on a grid that depends on the keys alone and samples it: any times give the same frames. Where triangles
 would be flipped though they are not in the keys, the motion between those is tracked so that none is. "paper" and "global" are

@@ -12,12 +12,14 @@ from bpy.props import BoolProperty, FloatProperty
 from .. import native
 from ..errors import ObjectGone, Refusal, try_all
 from ..model.input.breakdown import FURTHEST, OVERSHOOT, WIDTH, Slider, limited
+from ..model.work import Work
 from ..scene.inbetweens import breakdown
 from ..scene.inbetweens.breakdown import Way
 from ..scene.objects import modifiers
 from ..scene.view import snapshot
 from .keying import key_shown
 from .modal import reports, running
+from .modal.long_job import INSTANT, RATE
 from .modal.session import CONFIRM, PASSED_ON, put_away, put_up
 from .poses import PoseListOperator
 
@@ -28,10 +30,17 @@ KEYS = (
 
 
 class _Sliding:
-    """A breakdown under way in a window."""
+    """A breakdown under way in a window: first its way is solved, then it slides."""
 
     def __init__(self, way: Way):
         self._way = way
+        self.work = Work(way.solve)
+        self.clock: running.Clock | None = None  # until it is solved
+
+    def solved(self) -> None:
+        """Nothing has to be waited for any more."""
+        if self.clock is not None:
+            self.clock.stop()
 
     def give_way(self) -> None:
         """See running.Run."""
@@ -43,7 +52,8 @@ class _Sliding:
 
     def let_go(self) -> None:
         """See running.Run."""
-        try_all((snapshot.release, put_away))
+        self.work.stop()
+        try_all((self.solved, snapshot.release, put_away))
 
 
 class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
@@ -82,6 +92,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     def apply(self, context: bpy.types.Context) -> None:
         try:
             way = Way(context)
+            way.solve()
             try:
                 way.show(self._share)
                 self._key(context)
@@ -111,16 +122,17 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         running.end()
         try:
             self._way = Way(context)
-        except (Refusal, native.SolveError) as error:
-            self.report({"ERROR"}, str(error))
+        except Refusal as refusal:
+            self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
-        width = WIDTH * context.preferences.system.ui_scale
-        self._slider = Slider.begin(self._way.start, event.mouse_x, width, overshoot=self.overshoot)
+        self._slider: Slider | None = None
         self._sliding = _Sliding(self._way)
         running.start(self._sliding)
         put_up(context, KEYS, cursor="SCROLL_X")
-        result = self._guarded(lambda: self._show(context))
+        result = self._guarded(lambda: self._look(context, event, INSTANT))
         if result == {"RUNNING_MODAL"}:
+            if self._slider is None:
+                self._sliding.clock = running.Clock(context, RATE)
             context.window_manager.modal_handler_add(self)
         return result
 
@@ -144,11 +156,15 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         pressed = event.value == "PRESS"
         if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
             return self._stop()
-        if (event.type == "LEFTMOUSE" and event.value == "RELEASE") or (event.type in CONFIRM and pressed):
+        if self._slider is not None and (
+            (event.type == "LEFTMOUSE" and event.value == "RELEASE") or (event.type in CONFIRM and pressed)
+        ):
             self._key(context)
             return self._leave({"FINISHED"})
         if event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}
+        if self._slider is None:
+            return self._look(context, event, 0.0)
         slider = self._slider.held(shift=event.shift, ctrl=event.ctrl)
         if event.type == "MOUSEMOVE":
             slider = slider.moved(event.mouse_x)
@@ -159,7 +175,20 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             return self._show(context)
         return {"RUNNING_MODAL"}
 
+    def _look(self, context: bpy.types.Context, event: bpy.types.Event, wait: float) -> set[str]:
+        """Begin to slide where the mouse is once the way is solved, for which this waits so many seconds."""
+        if not self._sliding.work.wait(wait):
+            if context.area is not None:
+                context.area.header_text_set(f"Breakdown: Solving {self._sliding.work.share:.0%}")
+            return {"RUNNING_MODAL"}
+        self._sliding.work.result()
+        self._sliding.solved()
+        width = WIDTH * context.preferences.system.ui_scale
+        self._slider = Slider.begin(self._way.start, event.mouse_x, width, overshoot=self.overshoot)
+        return self._show(context)
+
     def _show(self, context: bpy.types.Context) -> set[str]:
+        assert self._slider is not None
         self.overshoot = self._slider.overshoot
         self.percent = 100.0 * self._slider.share
         self._way.show(self._share)  # as the property has it, so that the redo panel gives the same bits

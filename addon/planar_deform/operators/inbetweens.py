@@ -49,9 +49,7 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
             self.smooth = settings.smooth
         drawing = begin_shape(context)
         plan = planning.plan(drawing, path=self.path, smooth=self.smooth)
-        told = plan.told_of_pins()
-        summary = None if told is None else lambda _: told
-        return Job(partial(writing.write, drawing, plan), plan.solve, summary)
+        return Job(partial(writing.write, drawing, plan), plan.solve)
 
 
 class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):

@@ -209,6 +209,15 @@ def test_a_sequence_is_cut_out_as_wide_as_all_its_frames(tmp_path):
     assert np.count_nonzero(shown) < 1.6 * np.count_nonzero(blobs(*places))
 
 
+@pytest.mark.parametrize("numbers", [("1", "2", "4", "5"), ("8", "9", "10", "11")])
+def test_behind_a_gap_in_a_sequence_there_is_another_one(tmp_path, numbers):
+    paths = [save(tmp_path, f"walk_{number}.png", blobs((20, 40))) for number in numbers]
+    cutout(*paths, image_sequence=True)
+    assert len(bpy.data.objects) == 2
+    durations = {texture(obj).image_user.frame_duration for obj in bpy.data.objects}
+    assert durations == {2}
+
+
 def test_a_sequence_of_frames_of_several_sizes_is_refused(tmp_path):
     save(tmp_path, "walk_1.png", blobs((20, 40)))
     paths = [tmp_path / "walk_1.png", save(tmp_path, "walk_2.png", blobs((20, 40), size=(60, 60)))]

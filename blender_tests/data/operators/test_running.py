@@ -93,6 +93,7 @@ def sliding():
     way = Way(bpy.context)
     run = _Sliding(way)
     running.start(run)
+    assert run.work.wait(60.0)
     way.show(0.9)
     return run
 

@@ -76,7 +76,7 @@ struct InbetweenOptions {
   int max_iterations = 100;
 
   /// About so many vertices, 12 at least, of a coarse mesh to solve on in place of a larger one (midpoint and
-  /// triangles only; the others refuse it, and so do pins); empty: solve on the mesh itself.
+  /// triangles only; the others refuse it); empty: solve on the mesh itself.
   std::optional<int> cage{};
 
   int threads = 0;  ///< to use, at most 64; 0: one per core, at most 8. The result does not depend on it

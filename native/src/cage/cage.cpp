@@ -24,7 +24,8 @@ constexpr int rounds = 2;
 
 /// Of the size: coordinates beyond make float32 coarse beside a dense mesh's triangles.
 constexpr double far_out = 10.0;
-constexpr double squeezed = 0.05;  // of the area at rest
+constexpr double weightless = 1e-9;  // barycentric, see Handles
+constexpr double squeezed = 0.05;    // of the area at rest
 
 std::array<double, 3> weights_of(const Place& place) {
   return {1.0 - place.first - place.second, place.first, place.second};
@@ -53,6 +54,36 @@ Place place_in(const Points& rest, const Triangles& triangles, int triangle,
   const double area = u.x() * v.y() - u.y() * v.x();
   if (area == 0.0) return {triangle, 0.0, 0.0};
   return {triangle, (p.x() * v.y() - p.y() * v.x()) / area, (u.x() * p.y() - u.y() * p.x()) / area};
+}
+
+Handles caged(const Handles& handles, const Cage& cage, const Points& rest) {
+  Handles result;
+  result.vertices.resize(handles.size(), 3);
+  result.weights.resize(handles.size(), 3);
+  const Points points = handles.positions(rest);
+  for (Eigen::Index row = 0; row < handles.size(); ++row) {
+    Eigen::Index first = 0;
+    handles.weights.row(row).maxCoeff(&first);
+    Place best = cage.places[at(handles.vertices(row, first))];
+    if (best.triangle < 0) {
+      result.vertices.row(row).setConstant(cage.row_of(handles.vertices(row, first)));
+      result.weights.row(row) << 1.0, 0.0, 0.0;
+      continue;
+    }
+    double most = -std::numeric_limits<double>::infinity();
+    for (int c = 0; c < 3; ++c) {
+      if (std::abs(handles.weights(row, c)) <= weightless) continue;  // it may be any vertex
+      const int triangle = cage.places[at(handles.vertices(row, c))].triangle;
+      const Place place = place_in(cage.rest, cage.triangles, triangle, points.row(row));
+      const double least = std::min({place.first, place.second, 1.0 - place.first - place.second});
+      if (least <= most) continue;
+      most = least;
+      best = place;
+    }
+    result.vertices.row(row) = cage.triangles.row(best.triangle);
+    result.weights.row(row) << 1.0 - best.first - best.second, best.first, best.second;
+  }
+  return result;
 }
 
 int Cage::row_of(int isolated_vertex) const {

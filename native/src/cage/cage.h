@@ -13,6 +13,7 @@
 #include "linear/sparse_solver.h"
 #include "linear/unknowns.h"
 #include "mesh/mesh.h"
+#include "planar/handle.h"
 #include "planar/types.h"
 
 namespace planar {
@@ -47,6 +48,11 @@ Cage make_cage(const Points& rest, Coarse coarse);
 
 /// The place in a triangle of the mesh, seen at `rest`, of a point.
 Place place_in(const Points& rest, const Triangles& triangles, int triangle, const Eigen::RowVector2d& point);
+
+/// Points of the dense mesh, seen at `rest`, as points of the cage: each in that of its corners' triangles
+/// which holds it best.
+/// \pre handles name points of the dense mesh
+Handles caged(const Handles& handles, const Cage& cage, const Points& rest);
 
 /// Where a place is when the mesh's vertices are at x. \pre it is in a triangle
 inline Eigen::RowVector2d carried(const Place& place, const Triangles& triangles, const Points& x) {

@@ -58,11 +58,13 @@ std::unique_ptr<CarriedKeys> CarriedKeys::of(const std::vector<Points>& keys, Ed
 CarriedKeys::CarriedKeys(const std::vector<Points>& keys, EdgeGraph graph, const InbetweenOptions& options,
                          const Points& reference, Coarse coarse)
     : dense_keys_(keys),
+      reference_(reference),
       graph_(std::move(graph)),
       cage_(make_cage(reference, std::move(coarse))),
       mesh_(cage_.rest.rows(), cage_.triangles),
       suspects_(cage_, reference, graph_.triangles),
-      dense_part_(at(mesh_.n_parts), -1) {
+      dense_part_(at(mesh_.n_parts), -1),
+      pinned_(at(reference.rows())) {
   graph_.edges = {};
   for (std::size_t v = 0; v < cage_.places.size(); ++v) {
     const int t = cage_.places[v].triangle;
@@ -83,6 +85,7 @@ InbetweenOptions CarriedKeys::options(const InbetweenOptions& dense) const {
   if (dense.rest.rows() != 0) result.rest = cage_.rest;
   result.anchors.clear();
   result.joints.clear();
+  result.pins = {};
   result.turns = turns_(Eigen::all, dense_part_);
   return result;
 }
@@ -112,6 +115,28 @@ Ties CarriedKeys::ties(const Eigen::VectorXi& anchor, const Edges& joints) const
   return result;
 }
 
+void CarriedKeys::carry(FramePins& pins) {
+  const Points& rest = reference_;
+  for (const int v : pins.handles.vertices.reshaped()) pinned_[at(v)] = 1;
+  for (JointPoints& joints : pins.joints)
+    joints = {caged(joints.carrying, cage_, rest), caged(joints.carried, cage_, rest)};
+  pins.beyond = [this, dense = pins.handles, on_cage = caged(pins.handles, cage_, rest)](
+                    const Points& x, std::size_t k, double u) -> Points {
+    const Spots spots(*this, x, k, u);
+    Points result = -on_cage.positions(x);
+    for (Eigen::Index row = 0; row < result.rows(); ++row) {
+      for (int c = 0; c < 3; ++c) {
+        const double weight = dense.weights(row, c);
+        if (weight != 0.0) result.row(row) += weight * spots.of(dense.vertices(row, c));
+      }
+    }
+    return result;
+  };
+  pins.handles = caged(pins.handles, cage_, rest);
+  pins.part = parts_of(pins.handles, mesh_.part);
+  pins.triangles = triangles_of(cage_.triangles, mesh_.part, pins.part);
+}
+
 std::vector<int> CarriedKeys::parts(const std::vector<int>& of_cage) const {
   std::vector<int> result;
   result.reserve(of_cage.size());
@@ -120,22 +145,32 @@ std::vector<int> CarriedKeys::parts(const std::vector<int>& of_cage) const {
   return result;
 }
 
+CarriedKeys::Spots::Spots(const CarriedKeys& of, const Points& x, std::size_t k, double u)
+    : of_(of),
+      x_(x),
+      share_(std::clamp(u, 0.0, 1.0)),
+      before_(of.beside_[k]),
+      after_(of.beside_[k + 1]),
+      turned_before_(before_.turns_to(of.cage_, x)),
+      turned_after_(after_.turns_to(of.cage_, x)) {}
+
+Eigen::RowVector2d CarriedKeys::Spots::of(int vertex) const {
+  const Cage& cage = of_.cage_;
+  const Place& place = cage.places[at(vertex)];
+  if (place.triangle < 0) return x_.row(cage.row_of(vertex));
+  Eigen::RowVector2d p = planar::carried(place, cage.triangles, x_);
+  if (!turned_before_.empty()) p += (1.0 - share_) * before_.of(cage, vertex, turned_before_);
+  if (!turned_after_.empty()) p += share_ * after_.of(cage, vertex, turned_after_);
+  return p;
+}
+
 Points CarriedKeys::carried(const Points& x, std::size_t k, double u) const {
-  const double share = std::clamp(u, 0.0, 1.0);
-  const Remainder::Turns before = beside_[k].turns_to(cage_, x), after = beside_[k + 1].turns_to(cage_, x);
+  const Spots spots(*this, x, k, u);
   Points result(graph_.n_vertices, 2);
-  for (Eigen::Index v = 0; v < result.rows(); ++v) {
-    const Place& place = cage_.places[at(v)];
-    if (place.triangle < 0) continue;
-    result.row(v) = planar::carried(place, cage_.triangles, x);
-    if (!before.empty()) result.row(v) += (1.0 - share) * beside_[k].of(cage_, v, before);
-    if (!after.empty()) result.row(v) += share * beside_[k + 1].of(cage_, v, after);
-  }
-  for (const int v : cage_.isolated) result.row(v) = x.row(cage_.row_of(v));
-  const std::size_t nearest = share < 0.5 ? k : k + 1;
-  const bool all = !before.empty() || !after.empty();
-  turn_upright(dense_keys_[nearest], upright_[k], Eigen::RowVector2d::Zero(), {},
-               std::vector<char>(at(result.rows())), suspects_.at(cage_, x, all), result);
+  for (int v = 0; v < graph_.n_vertices; ++v) result.row(v) = spots.of(v);
+  const std::size_t nearest = u < 0.5 ? k : k + 1;
+  turn_upright(dense_keys_[nearest], upright_[k], Eigen::RowVector2d::Zero(), {}, pinned_,
+               suspects_.at(cage_, x, !spots.are_the_cages()), result);
   return result;
 }
 

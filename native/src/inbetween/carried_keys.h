@@ -6,6 +6,7 @@
 
 #include "cage/cage.h"
 #include "inbetween/part_placer.h"
+#include "inbetween/pinned_transition.h"
 #include "mesh/edge_graph.h"
 #include "mesh/orientation.h"
 #include "planar/inbetween.h"
@@ -33,6 +34,9 @@ class CarriedKeys {
   InbetweenOptions options(const InbetweenOptions& dense) const;
   /// What holds the parts of the cage, from anchors and joints of the dense mesh, checked.
   Ties ties(const Eigen::VectorXi& anchor, const Edges& joints) const;
+  /// Pins and joints of the dense mesh, checked, as those of the cage that have the dense ones where they
+  /// should be. To be called once; this must outlive them.
+  void carry(FramePins& pins);
   /// The numbers that parts of the cage have in the dense mesh, ascending.
   std::vector<int> parts(const std::vector<int>& of_cage) const;
   /// Parts and vertices of the dense mesh: what anchors, joints and turns are checked against.
@@ -42,7 +46,24 @@ class CarriedKeys {
   Points carried(const Points& x, std::size_t k, double u) const;
 
  private:
+  /// Where dense vertices are on a frame x between keys k and k+1, at u.
+  class Spots {
+   public:
+    Spots(const CarriedKeys& of, const Points& x, std::size_t k, double u);
+    Eigen::RowVector2d of(int vertex) const;
+    /// Without anything that a cage cannot have.
+    bool are_the_cages() const { return turned_before_.empty() && turned_after_.empty(); }
+
+   private:
+    const CarriedKeys& of_;
+    const Points& x_;
+    double share_;
+    const Remainder &before_, &after_;
+    Remainder::Turns turned_before_, turned_after_;
+  };
+
   const std::vector<Points>& dense_keys_;
+  Points reference_;  ///< n×2: what places in the cage refer to
   EdgeGraph graph_;
   Cage cage_;
   Mesh mesh_;
@@ -51,6 +72,7 @@ class CarriedKeys {
   Eigen::MatrixXi turns_;        ///< (K-1)×parts of the dense mesh
   std::vector<Points> cage_keys_;
   std::vector<Remainder> beside_;
+  std::vector<char> pinned_;  ///< n flags: of handles of pins
   std::vector<Orientation>
       upright_;  ///< of key k, but for triangles that lie the other way round in the next
 };

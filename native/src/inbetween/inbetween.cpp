@@ -33,16 +33,17 @@ struct Inbetweens::State {
       throw std::invalid_argument("method: only midpoint can be sampled at any time");
     }
     carrier = CarriedKeys::of(keys, graph, options);
+    const EdgeGraph& own = carrier ? carrier->graph() : graph;
+    const std::vector<Ties> ties = ties_of(own, keys, options, carrier.get());
+    std::unique_ptr<FramePins> pins;
+    if (options.pins.size() > 0) pins = std::make_unique<FramePins>(own, keys, options);
     if (carrier) {
-      if (options.pins.size() > 0)
-        throw std::invalid_argument("pins: a mesh that is solved through a cage has none; take no cage");
-      const std::vector<Ties> ties = ties_of(carrier->graph(), keys, options, carrier.get());
+      if (pins) carrier->carry(*pins);
       motion = std::make_unique<Motion>(carrier->keys(),
                                         EdgeGraph(carrier->keys()[0].rows(), carrier->triangles()),
-                                        carrier->options(options), ties);
+                                        carrier->options(options), ties, std::move(pins));
     } else {
-      const std::vector<Ties> ties = ties_of(graph, keys, options, nullptr);
-      motion = std::make_unique<Motion>(keys, std::move(graph), options, ties);
+      motion = std::make_unique<Motion>(keys, std::move(graph), options, ties, std::move(pins));
     }
     reports = motion->report();
     if (!carrier) return;

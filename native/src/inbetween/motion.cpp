@@ -27,17 +27,16 @@ Eigen::VectorXd whole_turns(const EdgeGraph& graph, Eigen::VectorXd edge_turns,
 }  // namespace
 
 Motion::Motion(const std::vector<Points>& shapes, EdgeGraph edge_graph, const InbetweenOptions& options,
-               const std::vector<Ties>& ties)
+               const std::vector<Ties>& ties, std::unique_ptr<FramePins> pins)
     : keys_(shapes),
       times_(key_times_of(keys_, options)),
       graph_(std::move(edge_graph)),
       assembler_(graph_),
-      team_(options.threads) {
+      team_(options.threads),
+      pins_(std::move(pins)) {
   const Eigen::MatrixXi extra = turns_of(graph_, keys_, options);
   const std::vector<Points> references = references_of(keys_, options);
   const double limit = options.tolerance * size_of(references);
-  if (options.pins.size() > 0) pins_ = std::make_unique<FramePins>(graph_, keys_, options);
-  const std::vector<Edges> joints = pins_ ? joints_of(graph_, keys_, options) : std::vector<Edges>{};
   assembler_.factorize(frozen_weights(graph_, references));
   const EdgeTurns unwrapped(graph_);
   transitions_.reserve(ties.size());
@@ -58,8 +57,7 @@ Motion::Motion(const std::vector<Points>& shapes, EdgeGraph edge_graph, const In
                             nullptr});
     if (pins_) {
       transitions_.back().pins = std::make_unique<PinnedTransition>(
-          graph_, *pins_, k, from, to, joints[k],
-          whole_turns(graph_, turns, extra.row(static_cast<Eigen::Index>(k))));
+          graph_, *pins_, k, whole_turns(graph_, turns, extra.row(static_cast<Eigen::Index>(k))));
     }
     reports_.push_back({transitions_.back().edges.iterations(), transitions_.back().edges.converged()});
   }
@@ -149,7 +147,7 @@ void Motion::hold_pins(Points& frame, const Moment& moment, const Points* path, 
   for (Eigen::Index row = 0; path && row < places.rows(); ++row) {
     if (!path->row(row).hasNaN()) places.row(row) = path->row(row);
   }
-  frame = transition.held(frame, places, holders_->of(thread));
+  frame = transition.held(frame, moment.u, places, holders_->of(thread));
 }
 
 std::vector<Points> Motion::sample(const std::vector<Moment>& moments,

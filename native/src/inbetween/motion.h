@@ -28,8 +28,9 @@ class Motion {
  public:
   /// \param options checked
   /// \param ties one a transition
+  /// \param pins in place of those of the options; null: none
   Motion(const std::vector<Points>& shapes, EdgeGraph edge_graph, const InbetweenOptions& options,
-         const std::vector<Ties>& ties);
+         const std::vector<Ties>& ties, std::unique_ptr<FramePins> pins);
 
   /// Frames at moments that are not keys'.
   /// \param path where the pins' handles (k×2) are to be at moments[i], where that is a number; null: nowhere

@@ -32,7 +32,7 @@ PinHolder::PinHolder(const Points& size, const Triangles& triangles)
     : mesh_(size.rows(), triangles),
       orientation_(size, triangles, flat_triangles(size, triangles)),
       method_(size, triangles, orientation_, {}),
-      step_(step * diameter(size)) {}
+      size_(diameter(size)) {}
 
 void PinHolder::begin(const Points& frame) {
   orientation_ = Orientation(frame, mesh_.triangles, flat_triangles(frame, mesh_.triangles));
@@ -63,7 +63,7 @@ void PinHolder::hold(const HandleSet& set, const Points& places, Points& x) {
   method_.set_handles(set);
   move_rigidly(set.handles, places, x);
   const Points from = set.handles.positions(x), way = places - from;
-  const double steps = std::ceil(way.rowwise().norm().maxCoeff() / step_);
+  const double steps = std::ceil(way.rowwise().norm().maxCoeff() / (step * size_));
   Report report;
   for (int i = 1; i < steps; ++i) {
     method_.settle_within(few_iterations, {}, from + (i / steps) * way, x, report);

@@ -20,6 +20,9 @@ class PinHolder {
   PinHolder(const PinHolder&) = delete;
   PinHolder& operator=(const PinHolder&) = delete;
 
+  /// Of the frames.
+  double size() const { return size_; }
+
   /// The frame that is next.
   void begin(const Points& frame);
   /// Moves parts with handles to where these are at their places (k×2); other parts stay. x is the frame but
@@ -34,7 +37,7 @@ class PinHolder {
   Mesh mesh_;
   Orientation orientation_;  ///< of the frame
   HoldMethod method_;
-  double step_;  ///< of a handle
+  double size_;
 };
 
 }  // namespace planar

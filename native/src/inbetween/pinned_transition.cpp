@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 
 #include "base/checks.h"
-#include "base/index.h"
+#include "inbetween/inbetween_input.h"
 #include "mesh/pin.h"
 
 namespace planar {
@@ -16,6 +17,10 @@ namespace {
 /// μ. Three pins between twelve published poses that were up to 0.23 of the diagonal off end within
 /// 1.3e-7 of it, at the 1000 of posing within 1.3e-4, in as many steps.
 constexpr double pin_strength = 1e6;
+/// For pins of what a frame carries: two, or more where what a cage leaves of it is large beside its
+/// triangles.
+constexpr int rounds = 12;
+constexpr double near_enough = 1e-8;  // of the size: what would still change is not worth a round
 
 std::vector<PinRows> pins_of(const InbetweenOptions& options) {
   const Eigen::Index n_handles = options.pins.size();
@@ -91,32 +96,37 @@ FramePins::FramePins(const EdgeGraph& graph, const std::vector<Points>& keys, co
   const Mesh mesh(graph.n_vertices, graph.triangles);
   make_pins(mesh, handles, Eigen::VectorXd::Ones(handles.size()), {});  // for its checks
   part = parts_of(handles, graph.part);
-  std::vector<char> has_pins(at(graph.n_parts));
-  for (const int p : part) {
-    if (p >= 0) has_pins[at(p)] = 1;
-  }
+  triangles = triangles_of(graph.triangles, graph.part, part);
+  for (const Points& key : keys) places.push_back(handles.positions(key));
+  for (const Edges& pairs : joints_of(graph, keys, options))
+    joints.push_back({Handles::at_vertices(pairs.col(0), graph.n_vertices),
+                      Handles::at_vertices(pairs.col(1), graph.n_vertices)});
+}
+
+Triangles triangles_of(const Triangles& triangles, const std::vector<int>& vertex_part,
+                       const std::vector<int>& handle_part) {
   std::vector<Eigen::Index> rows;
-  for (Eigen::Index t = 0; t < graph.triangles.rows(); ++t) {
-    if (has_pins[at(graph.part[at(graph.triangles(t, 0))])]) rows.push_back(t);
+  const std::set<int> parts(handle_part.begin(), handle_part.end());
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    if (parts.contains(vertex_part[at(triangles(t, 0))])) rows.push_back(t);
   }
-  triangles = graph.triangles(rows, Eigen::all);
+  return triangles(rows, Eigen::all);
 }
 
 PinnedTransition::PinnedTransition(const EdgeGraph& graph, const FramePins& pins, std::size_t k,
-                                   const Points& from, const Points& to, const Edges& joints,
                                    const Eigen::VectorXd& edge_turns)
     : graph_(graph),
       pins_(pins),
+      k_(k),
       held_(pins.held[k]),
-      ways_(pins.handles.positions(from), pins.handles.positions(to), pins.pins,
-            turns_at(graph, pins, edge_turns)),
-      joints_(joints) {
-  const auto part_of = [&](Eigen::Index joint, int side) { return at(graph.part[at(joints_(joint, side))]); };
-  std::vector<Edges::Index> carrying(at(graph.n_parts), -1);  // joint of each part
-  for (Eigen::Index j = 0; j < joints_.rows(); ++j) carrying[part_of(j, 1)] = j;
+      ways_(pins.places[k], pins.places[k + 1], pins.pins, turns_at(graph, pins, edge_turns)),
+      joints_(pins.joints[k]) {
+  std::vector<int> carrying(at(graph.n_parts), -1);  // joint of each part
+  for (int j = 0; j < static_cast<int>(joints_.carried.size()); ++j)
+    carrying[part_of(joints_.carried, j)] = j;
   std::vector<std::size_t> depth(carrying.size());
   for (std::size_t part = 0; part < depth.size(); ++part) {
-    for (std::size_t p = part; carrying[p] != -1; p = part_of(carrying[p], 0)) ++depth[part];
+    for (std::size_t p = part; carrying[p] != -1; p = part_of(joints_.carrying, carrying[p])) ++depth[part];
   }
   std::vector<char> has_pins(depth.size());
   for (std::size_t p = 0; p < pins.pins.size(); ++p) {
@@ -135,18 +145,18 @@ PinnedTransition::PinnedTransition(const EdgeGraph& graph, const FramePins& pins
     if (carrying[part] == -1) continue;
     Layer& layer = layers_[depth[part]];
     layer.joints.push_back(carrying[part]);
-    if (has_pins[part]) layer.joint_vertex.push_back(joints_(carrying[part], 1));
+    if (has_pins[part]) layer.held_joints.push_back(carrying[part]);
   }
   for (Layer& layer : layers_) {
-    const Eigen::VectorXi vertex = Eigen::Map<const Eigen::VectorXi>(
-        layer.joint_vertex.data(), static_cast<Eigen::Index>(layer.joint_vertex.size()));
-    const Handles held_joints = Handles::at_vertices(vertex, graph.n_vertices);
-    const auto n_pins = static_cast<Eigen::Index>(layer.rows.size()), n = n_pins + vertex.size();
+    const auto n_pins = static_cast<Eigen::Index>(layer.rows.size());
+    const Eigen::Index n = n_pins + static_cast<Eigen::Index>(layer.held_joints.size());
     HandleSet& set = layer.handles;
     set.handles.vertices.resize(n, 3);
     set.handles.weights.resize(n, 3);
-    set.handles.vertices << pins.handles.vertices(layer.rows, Eigen::all), held_joints.vertices;
-    set.handles.weights << pins.handles.weights(layer.rows, Eigen::all), held_joints.weights;
+    set.handles.vertices << pins.handles.vertices(layer.rows, Eigen::all),
+        joints_.carried.vertices(layer.held_joints, Eigen::all);
+    set.handles.weights << pins.handles.weights(layer.rows, Eigen::all),
+        joints_.carried.weights(layer.held_joints, Eigen::all);
     set.strength.setConstant(n, pin_strength);
     set.patch.assign(at(n), 0);
   }
@@ -161,25 +171,37 @@ void PinnedTransition::join(PinnedTransition& before, PinnedTransition& after, K
 /// Moves the parts of a layer as much as where they hang was moved.
 void PinnedTransition::carry_along(const Layer& layer, const Points& frame, Points& x) const {
   std::vector<Eigen::RowVector2d> way(at(graph_.n_parts), Eigen::RowVector2d::Zero());
-  for (const Eigen::Index j : layer.joints) {
-    const int carrier = joints_(j, 0);
-    way[at(graph_.part[at(joints_(j, 1))])] = x.row(carrier) - frame.row(carrier);
-  }
+  const Points ways = joints_.carrying.positions(x) - joints_.carrying.positions(frame);
+  for (const int j : layer.joints) way[part_of(joints_.carried, j)] = ways.row(j);
   for (int v = 0; v < graph_.n_vertices; ++v) {
     if (graph_.part[at(v)] >= 0) x.row(v) += way[at(graph_.part[at(v)])];
   }
 }
 
-Points PinnedTransition::held(const Points& frame, const Points& places, PinHolder& holder) const {
+/// Takes the pins of a layer to their places.
+void PinnedTransition::hold(const Layer& layer, double u, const Points& places, PinHolder& holder,
+                            Points& x) const {
+  const Points hinges = joints_.carried.positions(x)(layer.held_joints, Eigen::all);
+  Points targets(layer.handles.handles.size(), 2), beyond = Points::Zero(places.rows(), 2);
+  if (pins_.beyond) beyond = pins_.beyond(x, k_, u);
+  for (int round = 0; round < rounds; ++round) {
+    targets << (places - beyond)(layer.rows, Eigen::all), hinges;
+    holder.hold(layer.handles, targets, x);
+    if (!pins_.beyond) break;
+    const Points after = pins_.beyond(x, k_, u);
+    const double change = (after - beyond)(layer.rows, Eigen::all).rowwise().norm().maxCoeff();
+    if (change <= near_enough * holder.size()) break;
+    beyond = after;
+  }
+}
+
+Points PinnedTransition::held(const Points& frame, double u, const Points& places, PinHolder& holder) const {
   Points x = frame;
   if (layers_.empty()) return x;
   holder.begin(frame);
   for (const Layer& layer : layers_) {
     if (!layer.joints.empty()) carry_along(layer, frame, x);
-    if (layer.rows.empty()) continue;
-    Points targets(layer.handles.handles.size(), 2);
-    targets << places(layer.rows, Eigen::all), x(layer.joint_vertex, Eigen::all);
-    holder.hold(layer.handles, targets, x);
+    if (!layer.rows.empty()) hold(layer, u, places, holder, x);
   }
   return x;
 }

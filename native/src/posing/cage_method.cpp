@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
 
 #include "base/checks.h"
 #include "base/diameter.h"
+#include "base/disjoint_sets.h"
 #include "base/index.h"
 #include "cage/refinement.h"
 #include "mesh/triangle_shape.h"
@@ -47,6 +47,44 @@ Eigen::VectorXd carried_stiffness(const Cage& cage, const Points& rest, const Tr
   return sum;
 }
 
+/// Dense vertices at points that pull by themselves, ascending.
+std::vector<int> pulled_at(const HandleSet& set, const JointSet& joints) {
+  std::vector<int> result;
+  const auto add = [&result](const Handles& handles, Eigen::Index row) {
+    Eigen::Index corner = 0;
+    handles.weights.row(row).maxCoeff(&corner);
+    result.push_back(handles.vertices(row, corner));
+  };
+  for (Eigen::Index row = 0; row < set.handles.size(); ++row) {
+    if (!set.patch[at(row)]) add(set.handles, row);
+  }
+  for (Eigen::Index row = 0; row < joints.first.size(); ++row) {
+    add(joints.first, row);
+    add(joints.second, row);
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+/// Flags of the cage's parts that have handles, or hang together with one that has. All handles are the
+/// cage's.
+std::vector<char> held_by(const Handles& handles, const JointSet& joints, const Mesh& mesh) {
+  const auto part_of = [&](const Handles& of, Eigen::Index row) {
+    return mesh.part[at(of.vertices(row, 0))];
+  };
+  DisjointSets together(at(mesh.n_parts));
+  for (Eigen::Index row = 0; row < joints.first.size(); ++row)
+    together.join(part_of(joints.first, row), part_of(joints.second, row));
+  std::vector<char> group(at(mesh.n_parts)), result(group.size());
+  for (Eigen::Index row = 0; row < handles.size(); ++row) {
+    const int part = part_of(handles, row);
+    if (part >= 0) group[at(together.find(part))] = 1;
+  }
+  for (int part = 0; part < mesh.n_parts; ++part) result[at(part)] = group[at(together.find(part))];
+  return result;
+}
+
 Orientation orientation_of(const Cage& cage, const Eigen::RowVector2d& centre) {
   const Points rest = cage.rest.rowwise() + centre;
   return {rest, cage.triangles, flat_triangles(rest, cage.triangles), centre};
@@ -79,29 +117,18 @@ CageMethod::CageMethod(Coarse coarse, const Points& rest, const Eigen::RowVector
       kept_(kept),
       make_(std::move(make)) {}
 
-/// Checks handles of the mesh, and gives each the place of the cage that its point is at rest.
-Handles CageMethod::caged(const Handles& handles, const Solved& on) const {
-  require_rows("handles.weights", handles.weights.rows(), handles.size(), "handle");
+/// Checks handles of the mesh.
+void CageMethod::require_points(const Handles& handles, const char* name) const {
   const Triangles& triangles = orientation_.triangles();
   std::map<std::pair<int, int>, int> sides;  // that must be there, and the row of a handle that says so
   std::vector<char> of_side(at(rest_.rows()));
-  Handles result;
-  result.vertices.resize(handles.size(), 3);
-  result.weights.resize(handles.size(), 3);
   for (int row = 0; row < static_cast<int>(handles.size()); ++row) {
-    const Pin point = point_of(handles, row, static_cast<int>(rest_.rows()), [&](int a, int b) {
+    const auto needed = [&](int a, int b) {
       sides.emplace(std::minmax(a, b), row);
       of_side[at(a)] = of_side[at(b)] = 1;
       return true;
-    });
-    const Place place = place_of(point, on.cage);
-    if (place.triangle < 0) {
-      result.vertices.row(row).setConstant(on.cage.row_of(point.vertex[0]));
-      result.weights.row(row) << 1.0, 0.0, 0.0;
-      continue;
-    }
-    result.vertices.row(row) = on.cage.triangles.row(place.triangle);
-    result.weights.row(row) << 1.0 - place.first - place.second, place.first, place.second;
+    };
+    point_of(handles, row, static_cast<int>(rest_.rows()), needed, name);
   }
   for (Eigen::Index t = 0; t < triangles.rows() && !sides.empty(); ++t) {
     for (int c = 0; c < 3; ++c) {
@@ -110,58 +137,35 @@ Handles CageMethod::caged(const Handles& handles, const Solved& on) const {
     }
   }
   if (!sides.empty()) {
-    throw std::invalid_argument(row_of("handles", sides.begin()->second) +
+    throw std::invalid_argument(row_of(name, sides.begin()->second) +
                                 "its vertices are not those of one triangle");
   }
-  return result;
 }
 
-/// Of its corners' triangles the one that holds the point best.
-Place CageMethod::place_of(const Pin& point, const Cage& cage) const {
-  Place best = cage.places[at(point.vertex[0])];
-  if (point.n_corners == 1) return best;
-  const Eigen::RowVector2d p = pinned_point(point, rest_);
-  double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < point.n_corners; ++c) {
-    const int triangle = cage.places[at(point.vertex[c])].triangle;
-    if (triangle < 0) continue;
-    const Place place = place_in(cage.rest, cage.triangles, triangle, p);
-    const double least = std::min({place.first, place.second, 1.0 - place.first - place.second});
-    if (least > most) {
-      most = least;
-      best = place;
-    }
-  }
-  return best;
-}
-
-void CageMethod::set_handles(const HandleSet& set) {
+/// Replaces handles and joints, or throws and keeps those of before.
+void CageMethod::set(const HandleSet& set, const JointSet& joints, bool new_joints) {
   require_rows("handles.weights", set.handles.weights.rows(), set.handles.size(), "handle");
-  std::vector<int> points;  // that pull by themselves
-  for (Eigen::Index row = 0; row < set.handles.size(); ++row) {
-    if (set.patch[at(row)]) continue;
-    Eigen::Index corner = 0;
-    set.handles.weights.row(row).maxCoeff(&corner);
-    const int v = set.handles.vertices(row, corner);
-    require_index("handles", row, "vertex", v, rest_.rows());
-    points.push_back(v);
-  }
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  require_rows("first.weights", joints.first.weights.rows(), joints.first.size(), "handle");
+  require_rows("second.weights", joints.second.weights.rows(), joints.second.size(), "handle");
+  require_points(set.handles, "handles");
+  require_points(joints.first, "first");
+  require_points(joints.second, "second");
+  std::vector<int> points = pulled_at(set, joints);
   std::unique_ptr<Solved> made;
   if (!on_ || !std::includes(on_->near.begin(), on_->near.end(), points.begin(), points.end())) {
     made = std::make_unique<Solved>(make_cage(rest_, refined_near(rest_, coarse_, points)), *this, points);
   }
   const Solved& on = made ? *made : *on_;
   HandleSet on_cage = set;
-  on_cage.handles = caged(set.handles, on);
-  std::vector<char> held(at(on.mesh.n_parts));
-  for (Eigen::Index row = 0; row < on_cage.handles.size(); ++row) {
-    const int part = on.mesh.part[at(on_cage.handles.vertices(row, 0))];
-    if (part >= 0) held[at(part)] = 1;
-  }
+  on_cage.handles = caged(set.handles, on.cage, rest_);
+  const JointSet joints_on_cage{caged(joints.first, on.cage, rest_), caged(joints.second, on.cage, rest_),
+                                joints.strength};
+  if (new_joints || (made && joints.first.size() != 0)) on.method->set_joints(joints_on_cage);
+  std::vector<char> held = held_by(on_cage.handles, joints_on_cage, on.mesh);
   std::vector<char> pinned(at(rest_.rows()));
-  for (const int v : set.handles.vertices.reshaped()) pinned[at(v)] = 1;
+  for (const Handles* handles : {&set.handles, &joints.first, &joints.second}) {
+    for (const int v : handles->vertices.reshaped()) pinned[at(v)] = 1;
+  }
   for (std::size_t v = 0; v < pinned.size(); ++v) {  // what has no handles stays
     const int triangle = on.cage.places[v].triangle;
     if (triangle < 0 || !held[at(on.mesh.part[at(on.cage.triangles(triangle, 0))])]) pinned[v] = 1;
@@ -173,6 +177,8 @@ void CageMethod::set_handles(const HandleSet& set) {
     unseen_ = true;
   }
   handles_ = set;
+  joints_ = joints;
+  if (new_joints) polish_.reset();
   if (polish_) polish_->set_handles(handles_);
   coarse_settled_ = false;
   pinned_ = std::move(pinned);
@@ -332,7 +338,7 @@ void CageMethod::settle(const Points& targets, Points& x, Report& report) {
 /// Takes the mesh itself to its minimum, or nearer to it.
 void CageMethod::polish(Polish action, const Points& targets, Points& x, Report& report) {
   if (!polish_) {
-    polish_ = std::make_unique<DensePolish>(rest_, orientation_, stiffness_);
+    polish_ = std::make_unique<DensePolish>(rest_, orientation_, stiffness_, joints_);
     polish_->set_handles(handles_);
   }
   Report done;

@@ -4,7 +4,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include "cage/cage.h"
@@ -17,7 +16,7 @@
 namespace planar {
 
 /// Another method on a cage round the mesh: the handles are those of the mesh, which is carried along by its
-/// vertices' places in the cage. The cage is refined near the handles.
+/// vertices' places in the cage, and so are joints. The cage is refined near handles and joints.
 ///
 /// The positions that it starts from are the cage's nearest ones and what these leave. Of that, turned with
 /// the triangles of the cage, the mesh keeps a share with each move. Parts that the method does not move stay
@@ -45,10 +44,8 @@ class CageMethod final : public PosingMethod {
   CageMethod(Coarse coarse, const Points& rest, const Eigen::RowVector2d& centre,
              const Orientation& orientation, const Eigen::VectorXd& stiffness, double kept, Make make);
 
-  void set_handles(const HandleSet& handles) override;
-  void set_joints(const JointSet& /*joints*/) override {
-    throw std::invalid_argument("joints: a mesh that is solved through a cage has none; take no cage");
-  }
+  void set_handles(const HandleSet& handles) override { set(handles, joints_, false); }
+  void set_joints(const JointSet& joints) override { set(handles_, joints, true); }
   void move(const Points& targets, Points& x, Report& report) override;
   void refine(const Points& targets, Points& x, Report& report) override;
   void settle(const Points& targets, Points& x, Report& report) override;
@@ -76,8 +73,8 @@ class CageMethod final : public PosingMethod {
     Solved(Cage cage, const CageMethod& owner, std::vector<int> near);
   };
 
-  Handles caged(const Handles& handles, const Solved& on) const;
-  Place place_of(const Pin& point, const Cage& cage) const;
+  void set(const HandleSet& handles, const JointSet& joints, bool new_joints);
+  void require_points(const Handles& handles, const char* name) const;
   void act(Action action, int rounds, double kept, const Points& targets, Points& x, Report& report);
   void polish(Polish action, const Points& targets, Points& x, Report& report);
   bool is_as_left(const Points& x) const;
@@ -112,9 +109,10 @@ class CageMethod final : public PosingMethod {
   bool coarse_settled_ = false;          ///< what is to come is for the mesh itself
 
   HandleSet handles_;
+  JointSet joints_;
   Handles cage_handles_;
   std::vector<char> pinned_;  ///< n: vertices of handles, and of parts without
-  std::vector<char> held_;    ///< by part of the cage: it has handles
+  std::vector<char> held_;    ///< by part of the cage: it, or what hangs together with it, has handles
 };
 
 }  // namespace planar

@@ -22,6 +22,7 @@ struct DensePolish::Work {
   const Points rest;
   const Orientation& orientation;
   const Eigen::VectorXd stiffness;
+  const JointSet joints;
   std::unique_ptr<HoldMethod> hold;  ///< once it is needed: a factor of the mesh is large
 
   Points targets, x;
@@ -30,8 +31,9 @@ struct DensePolish::Work {
   std::atomic<bool> abandoned = false;
 };
 
-DensePolish::DensePolish(const Points& rest, const Orientation& orientation, const Eigen::VectorXd& stiffness)
-    : work_(new Work{rest, orientation, stiffness, {}, {}, {}, {}}) {}
+DensePolish::DensePolish(const Points& rest, const Orientation& orientation, const Eigen::VectorXd& stiffness,
+                         const JointSet& joints)
+    : work_(new Work{rest, orientation, stiffness, joints, {}, {}, {}, {}}) {}
 
 DensePolish::~DensePolish() { work_->abandoned = true; }
 
@@ -72,9 +74,11 @@ void DensePolish::act(const Action& action, const Points& targets,
   if (new_handles_) handles = handles_;
   new_handles_ = true;  // should it fail or be cancelled
   worker_.start([&work, action, handles = std::move(handles)] {
-    if (!work.hold)
+    if (!work.hold) {
       work.hold = std::make_unique<HoldMethod>(work.rest, work.orientation.triangles(), work.orientation,
                                                work.stiffness);
+      if (work.joints.first.size() != 0) work.hold->set_joints(work.joints);
+    }
     if (handles) work.hold->set_handles(*handles);
     work.hold->go_on();
     action(work);

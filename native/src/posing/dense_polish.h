@@ -19,7 +19,9 @@ class DensePolish {
   /// \param rest n×2
   /// \param orientation to outlive the object
   /// \param stiffness m factors, or empty
-  DensePolish(const Points& rest, const Orientation& orientation, const Eigen::VectorXd& stiffness);
+  /// \param joints checked
+  DensePolish(const Points& rest, const Orientation& orientation, const Eigen::VectorXd& stiffness,
+              const JointSet& joints);
   ~DensePolish();
 
   void set_handles(const HandleSet& handles);

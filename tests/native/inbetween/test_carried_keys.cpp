@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "base/index.h"
 #include "cage/cage_support.h"
 #include "inbetween/inbetween_support.h"
 #include "planar/distortion.h"
+#include "planar/poser.h"
 
 /// In-betweens of dense meshes through a cage.
 namespace planar::testing {
@@ -91,6 +94,105 @@ TEST(CarriedKeys, TurnsAreThoseOfTheDensePartsAndLoneVerticesGoStraight) {
   EXPECT_LT((quarter.row(1250) - Eigen::RowVector2d(-0.5, -0.25)).norm(), 1e-12);
 }
 
+/// A dense bar that stands on its ends while its middle, up in one key and down in the other, swings.
+struct Swinging {
+  Shape shape = refined(bar(30), 2);
+  std::vector<Points> keys{pushed(0.06), pushed(-0.05)};
+
+  Points pushed(double by) const {
+    Poser poser(shape.vertices, shape.triangles);
+    poser.set_handles(at(shape, {1, 46, 91}));
+    poser.move((Points(3, 2) << 0.0, 0.0, 0.5, by, 1.0, 0.0).finished());
+    return poser.settle();
+  }
+};
+
+Points between(const Points& from, const Points& to, double u) { return from + u * (to - from); }
+
+TEST(CarriedKeys, PinsStandAsTheyDoInTheDenseSolution) {
+  const Swinging swinging;
+  const Shape& shape = swinging.shape;
+  std::vector<Points> keys = swinging.keys;
+  for (const bool rippled : {false, true}) {
+    if (rippled) {  // beyond what a cage has, also at the pins
+      for (Eigen::Index v = 0; v < keys[1].rows(); ++v) keys[1](v, 1) += v % 2 == 0 ? 0.0 : 0.001;
+    }
+    InbetweenOptions options;
+    options.pins = inside(shape, {0, static_cast<int>(shape.triangles.rows()) - 1});
+    const auto solved = inbetween(keys, uniform(9), shape.triangles, options);
+    options.cage = 200;
+    const auto carried = inbetween(keys, uniform(9), shape.triangles, options);
+    const auto free = inbetween(keys, uniform(9), shape.triangles, {.cage = 200});
+    double drift = 0.0;
+    for (std::size_t i = 0; i < carried.size(); ++i) {
+      const Points places = between(options.pins.positions(keys[0]), options.pins.positions(keys[1]),
+                                    static_cast<double>(i) / 8.0);
+      EXPECT_LT(largest_difference(options.pins.positions(carried[i]), places), 1e-6) << i;
+      drift = std::max(drift, largest_difference(options.pins.positions(free[i]), places));
+      EXPECT_EQ(distortion(shape.vertices, carried[i], shape.triangles).flipped, 0);
+    }
+    EXPECT_GT(drift, 1e-4);  // there was something to hold
+    if (!rippled) EXPECT_LT(largest_difference(solved, carried), 0.005);
+    EXPECT_EQ(carried.front(), keys[0]);
+    EXPECT_EQ(carried.back(), keys[1]);
+  }
+}
+
+TEST(CarriedKeys, PinsGoOnPathsAndAreHeldWhereThatIsSaid) {
+  const Swinging swinging;
+  const Shape& shape = swinging.shape;
+  const std::vector<Points> keys{swinging.keys[0], swinging.keys[1], swinging.keys[0]};
+  InbetweenOptions options;
+  options.pins = at(shape, {0, 1, 2, 46});
+  options.pin_groups = (Eigen::VectorXi(4) << 3, 3, 3, 8).finished();
+  options.pinned = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>::Constant(2, 4, true);
+  options.pinned.row(1) << true, true, true, false;
+  options.cage = 200;
+  const Inbetweens motion(keys, shape.triangles, options);
+  const Eigen::VectorXd times = (Eigen::VectorXd(2) << 0.5, 1.5).finished();
+  std::vector<Points> paths(2, Points::Constant(4, 2, std::numeric_limits<double>::quiet_NaN()));
+  for (Points& path : paths) path.row(3) << 0.5, 0.1;
+  const std::vector<Points> frames = motion.at(times, Outside::refuse, {}, paths);
+  EXPECT_LT((frames[0].row(46) - paths[0].row(3)).norm(), 1e-6);
+  EXPECT_GT((frames[1].row(46) - paths[1].row(3)).norm(), 0.01);
+  for (std::size_t i = 0; i < 2; ++i) {  // the patch goes straight in its middle and keeps its shape
+    const auto middle = [](const Points& x) { return Eigen::RowVector2d(x.topRows(3).colwise().mean()); };
+    EXPECT_LT((middle(frames[i]) - 0.5 * (middle(keys[0]) + middle(keys[1]))).norm(), 1e-6);
+    EXPECT_NEAR((frames[i].row(0) - frames[i].row(2)).norm(), (keys[0].row(0) - keys[0].row(2)).norm(), 1e-4);
+  }
+  EXPECT_LT(largest_difference(motion.at(times, Outside::refuse, {}, paths), frames), 1e-15);
+}
+
+TEST(CarriedKeys, WhatIsCarriedComesAlongAndIsHeld) {
+  const Swinging swinging;
+  const auto n = static_cast<int>(swinging.shape.vertices.rows());
+  const Shape both = joined(swinging.shape, moved(swinging.shape, 0.95, 0.0));
+  std::vector<Points> keys{both.vertices, both.vertices};
+  keys[1].topRows(n) = rigid_motion(rolled(both.vertices.topRows(n), 60.0 * degrees), 0.3, 0.0, 0.0);
+  keys[1].bottomRows(n) = rigid_motion(swinging.keys[0], 0.8, 0.0, 0.0);
+  const Eigen::RowVector2d way = keys[1].row(91) - keys[1].row(n + 1) - Eigen::RowVector2d(0.05, 0.0);
+  keys[1].bottomRows(n).rowwise() += way;
+  InbetweenOptions options;
+  Edges joint(1, 2);
+  joint << 91, n + 1;
+  options.joints = {joint};
+  options.pins = at(both, {1, 46, n + 91});
+  options.anchors = {(Eigen::VectorXi(1) << 1).finished()};
+  const auto solved = inbetween(keys, uniform(5), both.triangles, options);
+  options.cage = 400;
+  const auto carried = inbetween(keys, uniform(5), both.triangles, options);
+  const auto offset = [&](const Points& x) { return Eigen::RowVector2d(x.row(n + 1) - x.row(91)); };
+  for (std::size_t i = 0; i < carried.size(); ++i) {
+    const double u = static_cast<double>(i) / 4.0;
+    EXPECT_LT(
+        largest_difference(options.pins.positions(carried[i]),
+                           between(options.pins.positions(keys[0]), options.pins.positions(keys[1]), u)),
+        1e-6);
+    EXPECT_LT((offset(carried[i]) - (1.0 - u) * offset(keys[0]) - u * offset(keys[1])).norm(), 5e-4) << i;
+  }
+  EXPECT_LT(largest_difference(solved, carried), 0.01);
+}
+
 TEST(CarriedKeys, AreCancelledAndRefused) {
   const DenseBar dense;
   InbetweenOptions options;
@@ -109,6 +211,10 @@ TEST(CarriedKeys, AreCancelledAndRefused) {
   options.anchors = {(Eigen::VectorXi(1) << 100000).finished()};
   EXPECT_REFUSAL(Inbetweens(dense.keys, dense.shape.triangles, options), "anchor, row 0: vertex 100000");
   options.anchors = {};
+  options.pins = at(dense.shape, {0});
+  options.pins.vertices(0, 0) = 100000;
+  EXPECT_REFUSAL(Inbetweens(dense.keys, dense.shape.triangles, options), "vertex 100000");
+  options.pins = {};
   options.method = InbetweenMethod::paper;
   EXPECT_REFUSAL(inbetween(dense.keys, uniform(5), dense.shape.triangles, options), "cage: the paper's");
   options.method = InbetweenMethod::midpoint;

@@ -61,8 +61,7 @@ def poser_for(
     It is always reset, so that a posing gives the same bits whether or not the solver was there before.
     `progress` is asked while a coarse mesh is made for it; False from it raises native.Cancelled.
     """
-    rest, triangles, stiffness = cutout.rest, cutout.triangles, cutout.stiffness
-    cage = cutout.cage if ties is None else None  # what joints hold is solved itself
+    rest, triangles, stiffness, cage = cutout.rest, cutout.triangles, cutout.stiffness, cutout.cage
 
     def make() -> native.Poser:
         poser = native.Poser(

@@ -10,6 +10,7 @@ from ...model.input.breakdown import nearest_share
 from ...model.plane.frame import Array
 from ...model.posing.joints import Joint
 from ...model.posing.pins import Holder
+from ...model.work import Progress
 from ..objects.any_object import begin_shape
 from ..objects.cutout_object import CutoutObject
 from ..pins import joint_list, pin_list
@@ -28,14 +29,14 @@ def refusal(obj: bpy.types.Object, frame: float) -> str | None:
 
 
 class Way:
-    """The shapes that Generate In-Betweens would put between the two poses, solved once.
+    """The shapes that Generate In-Betweens would put between the two poses; solve() before anything is shown.
 
     On a keyed frame these are the poses around it, as that one is to be made again. What is shown goes where
     all unkeyed poses go. Holds no reference to Blender's data.
     """
 
     def __init__(self, context: bpy.types.Context):
-        """Of the active object. Raises Refusal and native.SolveError, with nothing changed."""
+        """Of the active object. Raises Refusal, with nothing changed."""
         self.drawing = begin_shape(context, unkeyed=True)
         obj = context.object
         self.frame = context.scene.frame_current_final
@@ -53,7 +54,19 @@ class Way:
                 Holder(pin, self.drawing.cutout) for pin in pin_list.model_pins(obj, self.drawing)
             ]
             self._joints = joint_list.bound_joints(obj, self.drawing)
-        self.start = self._share_shown(obj, before, behind)
+        self.start = 0.5  # where on the way the shape is that is shown at first, once it is solved
+        self._start = self._share_played(obj, before, behind)
+        self._shown = self.drawing.positions
+
+    def solve(self, progress: Progress | None = None) -> None:
+        """Find the way. Needs no Blender data: of dense drawings this takes a while, in a thread.
+
+        Raises native.SolveError and native.Cancelled.
+        """
+        self._within = self._beyond = self._plan.motion(progress=progress)
+        if len(self._plan.keys) > 2:
+            self._beyond = self._plan.motion(self._first, self._first + 1, progress)
+        self.start = nearest_share(self._at, self._shown) if self._start is None else self._start
 
     def show(self, share: float) -> None:
         """Show the shape at a share of the way, 0 to 1, or beyond the poses. Raises ObjectGone."""
@@ -76,9 +89,6 @@ class Way:
             if (further := _further(obj, behind, 1)) is not None:
                 poses, times = [*poses, further[0]], [*times, times[-1] + further[1]]
         self._plan = planning.way(self.drawing, poses, times)
-        self._within = self._beyond = self._plan.motion()
-        if len(poses) > 2:
-            self._beyond = self._plan.motion(self._first, self._first + 1)
 
     def _at(self, share: float) -> Array:
         """Positions n x 2 at a share of the way."""
@@ -87,12 +97,12 @@ class Way:
         positions: Array = motion.at([start + share * (end - start)], overshoot=True)[0]
         return positions
 
-    def _share_shown(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> float:
-        """Where on the way the shape is that is shown at the start."""
-        if pose_state.pose_at(obj, self.frame) is None and not pose_state.unkeyed(obj):
-            share = (obj.data.shape_keys.eval_time - before.at) / (behind.at - before.at)
-            return float(min(max(share, 0.0), 1.0))
-        return nearest_share(self._at, self.drawing.positions)
+    def _share_played(self, obj: bpy.types.Object, before: KeyedPose, behind: KeyedPose) -> float | None:
+        """Where on the way the timeline has the shape that is shown; None where it shows another."""
+        if pose_state.pose_at(obj, self.frame) is not None or pose_state.unkeyed(obj):
+            return None
+        share = (obj.data.shape_keys.eval_time - before.at) / (behind.at - before.at)
+        return float(min(max(share, 0.0), 1.0))
 
 
 def _further(obj: bpy.types.Object, pose: KeyedPose, side: int) -> tuple[int, float] | None:

@@ -108,7 +108,7 @@ class Plan:
         if not self.elements:
             return Blend(np.stack(self.keys[first : last + 1]), times)
         holds = [self._holds(transition) for transition in range(first, last)]
-        flags = [hold.flags for hold in holds] if self.cage is None else []
+        flags = [hold.flags for hold in holds]
         pins: PinnedOptions = pinned(self.held, flags) if np.any(flags) else {}
         free = native.Inbetweens(
             np.stack([self._with_points(key) for key in self.keys[first : last + 1]]),
@@ -132,15 +132,6 @@ class Plan:
         leading = [hold.anchor - len(self.rest) for hold in holds if hold.anchor is not None]  # all of them
         return LedMotion(motion, self.places, times, leading, [np.flatnonzero(hold.flags) for hold in holds])
 
-    def told_of_pins(self) -> str | None:
-        """That pins are not held which should be; None where all are."""
-        if self.cage is None or not any(any(self._holds(number).flags) for number in range(len(self.counts))):
-            return None
-        return (
-            "Solved coarsely: pins that stand or have paths are held by their middle only. Raise Solve "
-            "Coarsely Above to hold each"
-        )
-
     def ends(self, transition: int) -> tuple[Array, Array]:
         """The shapes before and behind a transition, with the places."""
         before, after = self.keys[transition : transition + 2]
@@ -163,7 +154,7 @@ class Plan:
         """The generated positions, n x 2 each, in order. Raises SolveError and Cancelled."""
         found: list[Array] = []
         runs = self._runs()
-        sampled = _SAMPLED_WITH_PINS if self.held and self.cage is None else _SAMPLED
+        sampled = _SAMPLED_WITH_PINS if self.held else _SAMPLED
         for number, (first, last) in enumerate(runs):
 
             def told(share: float, number: int = number) -> bool:
