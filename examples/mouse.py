@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lamplighter, a mouse seen from the side: seven layers that hang together, and a lantern of its own."""
+"""The lamplighter, a mouse seen from the side: eight layers that hang together, one of them its lantern."""
 
 from __future__ import annotations
 
 from shapely.geometry import box
 from shapely.ops import unary_union
 
-from drawing import Colour, Layer, blob, ellipse, limb, moved, tint
+from drawing import Colour, Layer, blob, ellipse, limb, tint
+from puppet import PinPlan
 
 FUR: Colour = (176, 160, 160)
 PINK: Colour = (240, 158, 152)
@@ -24,18 +25,28 @@ FAR = 0.13  # how far the far leg stands before the near one
 
 
 def layers() -> list[Layer]:
-    """The mouse from back to front, standing on z = 0 and looking to the right, four units tall with its cap."""
-    return [_tail(), _far_arm(), _leg("Far Leg", 0.12, FAR), _leg("Near Leg", 0.06, 0.0), _body(), _head(), _near_arm()]
+    """The mouse from back to front, standing on z = 0 and looking to the right, four units tall."""
+    return [
+        _tail(),
+        _lantern(),
+        _far_arm(),
+        _leg("Far Leg", 0.12, FAR),
+        _leg("Near Leg", 0.06, 0.0),
+        _body(),
+        _head(),
+        _near_arm(),
+    ]
 
 
-def lantern() -> list[Layer]:
-    """The lantern as it hangs from the far hand, an object of its own."""
-    layer = Layer("Lantern", depth=0.21)
+def _lantern() -> Layer:
+    layer = Layer("Lantern", depth=0.24)
     x, z = HAND
     ring = ellipse(x, z - 0.10, 0.19, 0.21).difference(ellipse(x, z - 0.10, 0.135, 0.155))
     layer.fill(ring, BRASS, shade=0.03)
-    glass = blob([(x - 0.15, z - 0.42), (x + 0.15, z - 0.42), (x + 0.21, z - 0.60), (x + 0.15, z - 0.78),
-                  (x - 0.15, z - 0.78), (x - 0.21, z - 0.60)])  # fmt: skip
+    glass = blob([
+        (x - 0.15, z - 0.42), (x + 0.15, z - 0.42), (x + 0.21, z - 0.60), (x + 0.15, z - 0.78),
+        (x - 0.15, z - 0.78), (x - 0.21, z - 0.60),
+    ])  # fmt: skip
     layer.fill(glass, GLOW, shade=0.04)
     flame = blob([(x, z - 0.46, "corner"), (x + 0.075, z - 0.63), (x, z - 0.73), (x - 0.075, z - 0.63)])
     layer.gradient(flame.buffer(0.05), (255, 252, 230), inside=glass, blur=0.05)
@@ -43,16 +54,20 @@ def lantern() -> list[Layer]:
     heart = blob([(x, z - 0.56, "corner"), (x + 0.04, z - 0.65), (x, z - 0.71), (x - 0.04, z - 0.65)])
     layer.fill(heart, (255, 238, 150), shade=0, outline=False)
     for dx in (-0.10, 0.10):
-        layer.stroke([(x + dx, z - 0.43), (x + 1.3 * dx, z - 0.60), (x + dx, z - 0.77)], 0.028, tint(BRASS, -0.5))
-    cap = blob([(x - 0.07, z - 0.30, "corner"), (x + 0.07, z - 0.30, "corner"), (x + 0.22, z - 0.44, "corner"),
-                (x - 0.22, z - 0.44, "corner")])  # fmt: skip
+        layer.stroke(
+            [(x + dx, z - 0.43), (x + 1.3 * dx, z - 0.60), (x + dx, z - 0.77)], 0.028, tint(BRASS, -0.5)
+        )
+    cap = blob([
+        (x - 0.07, z - 0.30, "corner"), (x + 0.07, z - 0.30, "corner"), (x + 0.22, z - 0.44, "corner"),
+        (x - 0.22, z - 0.44, "corner"),
+    ])  # fmt: skip
     layer.fill(cap, BRASS, shade=0.035)
     layer.fill(box(x - 0.19, z - 0.86, x + 0.19, z - 0.76), BRASS, shade=0.035)
-    return [layer]
+    return layer
 
 
 def _tail() -> Layer:
-    layer = Layer("Tail", depth=0.24)
+    layer = Layer("Tail", depth=0.30)
     points = [(-0.02, 1.34), (-0.46, 1.02), (-0.98, 0.88), (-1.38, 1.10), (-1.52, 1.50), (-1.36, 1.80)]
     layer.fill(limb(points, (0.095, 0.085, 0.07, 0.058, 0.046, 0.034)), PINK, shade=0.035)
     for x, z in ((-0.62, 0.95), (-0.80, 0.905), (-0.98, 0.895), (-1.16, 0.965)):
@@ -140,7 +155,11 @@ def _head() -> Layer:
     layer.fill(ellipse(1.00, 2.50, 0.085, 0.075, -20), (216, 92, 104), shade=0.025)
     layer.fill(ellipse(0.985, 2.525, 0.025, 0.016), (255, 220, 220), shade=0, outline=False)
     layer.stroke([(0.93, 2.38), (0.80, 2.33), (0.62, 2.345), (0.54, 2.40)], 0.032)
-    for start, end in (((0.72, 2.44), (0.50, 2.20)), ((0.76, 2.43), (0.66, 2.14)), ((0.70, 2.47), (0.38, 2.31))):
+    for start, end in (
+        ((0.72, 2.44), (0.50, 2.20)),
+        ((0.76, 2.43), (0.66, 2.14)),
+        ((0.70, 2.47), (0.38, 2.31)),
+    ):
         middle = (0.5 * (start[0] + end[0]) + 0.02, 0.5 * (start[1] + end[1]) - 0.03)
         layer.stroke([start, middle, end], 0.016, tint(FUR, -0.6))
     _cap(layer)
@@ -169,7 +188,15 @@ def _cap(layer: Layer) -> None:
         (-0.36, 3.34), (-0.28, 3.20), (-0.26, 3.06, "corner"),
     ])  # fmt: skip
     layer.fill(cone, CAP, shade=0.075)
-    for x, z in ((0.30, 3.34), (0.02, 3.42), (-0.32, 3.54), (-0.66, 3.40), (-0.06, 3.20), (0.38, 3.16), (0.14, 3.60)):
+    for x, z in (
+        (0.30, 3.34),
+        (0.02, 3.42),
+        (-0.32, 3.54),
+        (-0.66, 3.40),
+        (-0.06, 3.20),
+        (0.38, 3.16),
+        (0.14, 3.60),
+    ):
         layer.fill(ellipse(x, z, 0.042, 0.042), tint(CAP, 0.55), shade=0, outline=False, inside=cone)
     layer.stroke([(-0.30, 3.33), (-0.20, 3.44), (-0.08, 3.50)], 0.026, tint(CAP, -0.5))
     layer.fill(ellipse(-1.02, 2.86, 0.135, 0.135), CREAM, shade=0.045)
@@ -199,12 +226,39 @@ def _near_arm() -> Layer:
     layer = Layer("Near Arm", depth=-0.12)
     sleeve = limb([(0.00, 1.96), (-0.11, 1.70), (-0.13, 1.46), (-0.05, 1.24)], (0.165, 0.155, 0.14, 0.13))
     x, z = 0.02, 1.02
-    fingers = [limb([(x, z), tip], (0.05, 0.042)) for tip in ((x - 0.03, z - 0.15), (x + 0.05, z - 0.155), (x + 0.12, z - 0.12))]
+    fingers = [
+        limb([(x, z), tip], (0.05, 0.042))
+        for tip in ((x - 0.03, z - 0.15), (x + 0.05, z - 0.155), (x + 0.12, z - 0.12))
+    ]
     thumb = limb([(x + 0.03, z + 0.05), (x + 0.14, z + 0.0)], (0.045, 0.04))
-    paw = unary_union([limb([(-0.05, 1.22), (x, z)], (0.075, 0.075)), ellipse(x, z, 0.10, 0.115, -15), thumb, *fingers])
+    paw = unary_union(
+        [limb([(-0.05, 1.22), (x, z)], (0.075, 0.075)), ellipse(x, z, 0.10, 0.115, -15), thumb, *fingers]
+    )
     layer.fill(paw, FUR, shade=0.04)
     layer.fill(sleeve, COAT, shade=0.06)
     layer.fill(limb([(-0.175, 1.215), (0.085, 1.27)], (0.06, 0.06)), tint(COAT, -0.3), shade=0.025)
-    layer.gradient(moved(sleeve, 0.0, 0.0).intersection(box(-0.3, 1.42, 0.3, 1.52)), tint(COAT, -0.2),
+    layer.gradient(sleeve.intersection(box(-0.3, 1.42, 0.3, 1.52)), tint(COAT, -0.2),
                    inside=sleeve, blur=0.05, opacity=0.5)  # fmt: skip
     return layer
+
+
+PINS = (
+    PinPlan("Hips", "Body", (0.04, 1.36), radius=0.15),
+    PinPlan("Chest", "Body", (0.06, 2.06), "Hips", radius=0.12),
+    PinPlan("Scarf Tip", "Body", (-1.06, 1.86), "Chest"),
+    PinPlan("Head", "Head", (0.26, 2.60), "Chest", radius=0.30),
+    PinPlan("Cap Tip", "Head", (-1.02, 2.86), "Head"),
+    PinPlan("Far Knee", "Far Leg", (FAR + 0.04, 0.78), "Hips"),
+    PinPlan("Far Heel", "Far Leg", (FAR - 0.12, 0.07), "Far Knee"),
+    PinPlan("Far Toe", "Far Leg", (FAR + 0.35, 0.07), "Far Heel"),
+    PinPlan("Near Knee", "Near Leg", (0.04, 0.78), "Hips"),
+    PinPlan("Near Heel", "Near Leg", (-0.12, 0.07), "Near Knee"),
+    PinPlan("Near Toe", "Near Leg", (0.35, 0.07), "Near Heel"),
+    PinPlan("Far Elbow", "Far Arm", (0.50, 1.60), "Chest"),
+    PinPlan("Far Hand", "Far Arm", HAND, "Far Elbow", radius=0.10),
+    PinPlan("Lantern", "Lantern", (HAND[0], HAND[1] - 0.60), "Far Hand", radius=0.17),
+    PinPlan("Near Elbow", "Near Arm", (-0.13, 1.52), "Chest"),
+    PinPlan("Near Hand", "Near Arm", (0.02, 1.04), "Near Elbow", radius=0.09),
+    PinPlan("Tail Middle", "Tail", (-0.98, 0.88), "Hips"),
+    PinPlan("Tail Tip", "Tail", (-1.38, 1.76), "Tail Middle"),
+)
