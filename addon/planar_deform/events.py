@@ -47,6 +47,7 @@ def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         follow.match(obj)
         follow.match_uv_map(obj, depsgraph)
         live_frames.note(obj)
+    live.carry(depsgraph)
     stiffness.changed()
     live.changed()
 

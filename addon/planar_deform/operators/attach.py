@@ -79,7 +79,7 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
             joint.select = True
             welds += joint.kind == "WELD"
         self.report(
-            {"INFO"}, f"Attached by {_counted(len(found) - welds, 'hinge')} and {_counted(welds, 'weld')}"
+            {"INFO"}, f"Attached by {counted(len(found) - welds, 'hinge')} and {counted(welds, 'weld')}"
         )
 
 
@@ -202,7 +202,8 @@ def _welded(drawing: CutoutObject, parts: tuple[int, int], place: Array, radius:
     return rows
 
 
-def _counted(count: int, noun: str) -> str:
+def counted(count: int, noun: str) -> str:
+    """As "2 hinges"."""
     return f"{count} {noun}" + "s" * (count != 1)
 
 

@@ -18,9 +18,10 @@ import bpy
 from ..errors import ObjectGone, Refusal
 from ..scene.lattice.posed import PosedObject, posing_refusal, read_posed
 from ..scene.motion import live, to_controls
-from ..scene.objects.pose_store import store_of
-from ..scene.pins import controls, pin_list
+from ..scene.objects import pose_store
+from ..scene.pins import controls, dependencies, followed_mesh, pin_list
 from ..scene.telling import tell
+from ..scene.view import snapshot
 from .modal import running
 
 SOON = 0.05  # seconds between looks while something else is on
@@ -60,6 +61,7 @@ class _Motion:
 
 
 _motions: dict[int, _Motion] = {}  # by session_uid of the object
+_carrying = False
 _told = False  # that the present render does not follow
 
 
@@ -89,6 +91,7 @@ def follow_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None
     global _told
     if running.now() is not None:
         return
+    followed_mesh.evaluated()
     for obj in live.objects():
         try:
             if not live.shows_frame(obj, scene, depsgraph) and not _told:
@@ -96,6 +99,47 @@ def follow_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None
                 _tell(f"{obj.name}: {LATTICE if obj.type == 'LATTICE' else LOCK}", "Live Is Not Rendered")
         except (Refusal, ObjectGone) as refusal:
             _go_off(obj, str(refusal))
+    followed_mesh.evaluated()
+
+
+def carry(depsgraph: bpy.types.Depsgraph) -> None:
+    """Objects have just been evaluated: what follows their meshes goes along, in the same picture.
+
+    Blender evaluates once more what is written here, before it draws. So this holds during a drag of what
+    carries, and for scripts as soon as they update the view layer.
+    """
+    global _carrying
+    if _carrying or depsgraph.mode != "VIEWPORT" or live.is_paused() or bpy.app.is_job_running("RENDER"):
+        return
+    moved = {
+        update.id.original
+        for update in depsgraph.updates
+        if isinstance(update.id, bpy.types.Object)
+        and (update.is_updated_geometry or update.is_updated_transform)
+    }
+    _carrying = True
+    try:
+        followed_mesh.evaluated()
+        for obj in live.objects() if moved else ():
+            if not moved.isdisjoint(dependencies.carriers_of(obj)) and _follows(obj, depsgraph):
+                moved.add(obj)
+    finally:
+        _carrying = False
+        followed_mesh.evaluated()
+
+
+def _follows(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Take an object along with what carries it; whether it has been written."""
+    if obj.mode != "OBJECT" or snapshot.following(obj) or not obj.evaluated_get(depsgraph).is_evaluated:
+        return False
+    try:
+        if not _follow(obj, depsgraph):
+            return False
+        followed_mesh.wrote(obj, pose_store.shown_by(obj))
+    except (Refusal, ObjectGone) as refusal:
+        _go_off(obj, str(refusal))
+        return False
+    return True
 
 
 def _go_off(obj: bpy.types.Object, reason: str) -> None:
@@ -149,20 +193,24 @@ def follow() -> None:
     for obj in live.objects():
         if obj.mode == "OBJECT" and obj.name in bpy.context.view_layer.objects:
             try:
-                _follow(obj)
+                _follow(obj, bpy.context.evaluated_depsgraph_get())
             except (Refusal, ObjectGone) as refusal:
                 _go_off(obj, str(refusal))
 
 
-def _follow(obj: bpy.types.Object) -> None:
-    """Raises Refusal and ObjectGone."""
-    depsgraph, frame = bpy.context.evaluated_depsgraph_get(), bpy.context.scene.frame_current_final
+def _follow(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether anything was written. Raises Refusal and ObjectGone."""
+    dependencies.find_lost(obj)
+    if dependencies.waits(obj):
+        return False
+    frame = depsgraph.scene.frame_current_final
     stamp = controls.stamp(obj, frame, depsgraph)
     if stamp == obj.planar.followed:
-        return
+        return False
     if stamp:
         _go_on(obj, stamp, frame, depsgraph)
     obj.planar.followed = stamp
+    return bool(stamp)
 
 
 def _go_on(obj: bpy.types.Object, stamp: str, frame: float, depsgraph: bpy.types.Depsgraph) -> None:
@@ -194,7 +242,7 @@ def _state(obj: bpy.types.Object) -> State:
         )
         for pin in obj.planar.pins
     )
-    return (store_of(obj, unkeyed=True).shown.tobytes(), obj.planar.pin_weight, *pins)
+    return (pose_store.store_of(obj, unkeyed=True).shown.tobytes(), obj.planar.pin_weight, *pins)
 
 
 def unregister() -> None:

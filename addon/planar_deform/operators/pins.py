@@ -13,7 +13,7 @@ from ..errors import Refusal
 from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.pin_properties import KINDS
-from ..scene.pins import pin_list
+from ..scene.pins import followed_mesh, pin_list
 from ..scene.storage import migration
 from ..scene.view.mouse import hidden_refusal
 from .modal import running
@@ -149,7 +149,8 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
             group
             for other in drawing.meshes
             for group in other.vertex_groups
-            if group.name != other.planar.stiffness_group and not pin_list.is_pinned(obj, group)
+            if group.name not in {other.planar.stiffness_group, *followed_mesh.places_of(other)}
+            if not pin_list.is_pinned(obj, group)
         ]
         if not new:
             raise Refusal("Every vertex group has a pin already: add groups in the Vertex Groups panel first")

@@ -7,7 +7,7 @@ import bpy
 
 from ..scene.lattice.posed import begin_posing
 from ..scene.objects import rest_shape
-from ..scene.pins import pin_list
+from ..scene.pins import controls, pin_list
 from .posing_operator import PinPosingOperator, PosingOperator
 
 
@@ -20,7 +20,8 @@ class PLANAR_OT_set_rest_to_current(PosingOperator, bpy.types.Operator):
     )
 
     def apply(self, context: bpy.types.Context) -> None:
-        rest_shape.set_to_current(context.object)
+        with controls.beside(context.object):
+            rest_shape.set_to_current(context.object)
         pin_list.forget_targets(context.object)
 
 

@@ -23,7 +23,7 @@ from ..model.posing.depths import DEEPEST
 from ..model.posing.pin_path import EASES
 from ..model.posing.pin_path import KINDS as PATH_KINDS
 from ..model.posing.pins import LEAST_SCALE
-from .motion import follow_offset
+from .motion import carrying, follow_offset
 from .pins import controls, pin_depths
 from .telling import tell
 from .view import snapshot
@@ -59,19 +59,25 @@ def _follow(pin: PlanarPin, _context: bpy.types.Context) -> None:
     if pin.follow is None or controls.is_given():
         return
     pose = pin.follow.pose
-    if pin.follow_bone and (pose is None or pin.follow_bone not in pose.bones):
-        with controls.given():
+    with controls.given():
+        if pin.follow_bone and (pose is None or pin.follow_bone not in pose.bones):
             pin.follow_bone = ""
+        if pin.follow_group and pin.follow_group not in pin.follow.vertex_groups:
+            pin.follow_group = ""
     try:
-        follow_offset.keep(pin.id_data, [_index_of(pin)])
+        if not pin.follow_group and carrying.is_drawing(pin.follow):
+            carrying.carry(pin.id_data, [_index_of(pin)], pin.follow)
+        else:
+            follow_offset.keep(pin.id_data, [_index_of(pin)])
     except Refusal as refusal:
         pin.follow = None
         tell(str(refusal), title="Not Followed")
 
 
-def _follow_bone(pin: PlanarPin, _context: bpy.types.Context) -> None:
+def _follow_part(pin: PlanarPin, _context: bpy.types.Context) -> None:
+    """What of it is followed was chosen by hand."""
     if pin.follow is not None and not controls.is_given():
-        with contextlib.suppress(Refusal):  # of a bone that is not there, which is told when it is looked for
+        with contextlib.suppress(Refusal):  # of what is not there, which is told when it is looked for
             follow_offset.keep(pin.id_data, [_index_of(pin)])
 
 
@@ -152,7 +158,16 @@ class PlanarPin(bpy.types.PropertyGroup):
     follow_bone: StringProperty(
         name="Bone",
         description="Bone of the armature that the pin follows instead",
-        update=_follow_bone,
+        update=_follow_part,
+        options=NOT_ANIMATED,
+    )
+    follow_group: StringProperty(
+        name="Place",
+        description=(
+            "Vertex group of the mesh that the pin follows: it goes with that, rigidly, wherever the shape "
+            "of the mesh takes it. Empty: the pin follows the object alone"
+        ),
+        update=_follow_part,
         options=NOT_ANIMATED,
     )
     # The pin's matrix in the space of what it follows, row by row; and the direction in the object's own

@@ -7,7 +7,7 @@ import bpy
 
 from ..scene.motion.bake import FORMS
 from ..scene.motion.bake_pins import FORMS as PIN_FORMS
-from .tool.pin_menu import draw_depths
+from .tool.pin_menu import draw_carrying, draw_depths
 
 
 class PlanarMenu:
@@ -47,6 +47,7 @@ class PLANAR_MT_pins(PlanarMenu, bpy.types.Menu):
         joint.location = context.scene.cursor.location
         column.operator("planar.set_weld_radius")
         column.operator("planar.detach", icon="UNLINKED")
+        draw_carrying(column)
         column.separator()
         column.operator("planar.drag_pins")
         column.operator("planar.rotate_pins")

@@ -73,12 +73,6 @@ def cached(obj):
     obj.modifiers.new("Cache", "MESH_CACHE")
 
 
-def vertex_child(obj):
-    child = bpy.data.objects.new("Hat", None)
-    bpy.context.scene.collection.objects.link(child)
-    child.parent, child.parent_type = obj, "VERTEX"
-
-
 def loose(obj):
     obj.data.vertices.add(1)
 
@@ -110,7 +104,6 @@ REFUSED = {
     bound_to: "'Follow' of 'Follower'",
     hooked: "hooks single vertices",
     cached: "plays a file",
-    vertex_child: "hangs on vertices",
     loose: "without faces",
     folded: "lies over itself",
     laid_flat: "laid flat",
@@ -154,6 +147,6 @@ def test_what_is_refused_leaves_the_poses(tmp_path):
     key(obj, 1)
     pull(obj, 9, (0.0, 0.05))
     before = stored(obj)
-    vertex_child(obj)
-    unchanged(obj, "hangs on vertices", source="IMAGE")
+    hooked(obj)
+    unchanged(obj, "hooks single vertices", source="IMAGE")
     assert stored(obj) == before

@@ -155,6 +155,7 @@ OPERATORS = (
     *("add_pin", "add_pins_from_selected", "add_pins_from_all_groups", "add_pin_from_group", "remove_pins"),
     *("select_pins", "box_select_pins", "set_pin_kind", "set_pin_radius", "disable_pins", "enable_pins"),
     *("set_depth", "dither_materials", "attach", "add_joint", "detach", "set_weld_radius"),
+    *("attach_to", "detach_from"),
     *("add_pin_path", "remove_pin_path"),
     *("drag_pins", "rotate_pins", "spread_pins", "settle_pose", "paint_stiffness"),
     *("set_rest_to_current", "reset_to_rest", "reset_selected_pins", "mirror_pose", "paste_pose"),

@@ -112,6 +112,18 @@ def attachments(
     return found
 
 
+def hanging_place(cutout: Cutout, first: int) -> Array | None:
+    """Where (2,) the parts from this number on hang on those before them, as one.
+
+    None where these do not lie on each other at rest.
+    """
+    across = [overlap for overlap in overlaps(cutout) if overlap.parts[0] < first <= overlap.parts[1]]
+    if not across:
+        return None
+    most = max(across, key=lambda overlap: overlap.area)
+    return _attachment(cutout, *most.parts, most, _areas(cutout)).place
+
+
 def _attachment(cutout: Cutout, carrier: int, carried: int, overlap: Overlap, areas: Array) -> Attachment:
     covered = overlap.area >= COVERED * areas[carried]
     deepest = float(overlap.depths.max())

@@ -81,11 +81,6 @@ def _by_other(obj: bpy.types.Object, other: bpy.types.Object) -> str | None:
             f"'{other.name}' was laid flat from '{obj.name}', and knows it by its vertices: delete it, and "
             "lay the new mesh flat"
         )
-    if other.parent == obj and other.parent_type in {"VERTEX", "VERTEX_3"}:
-        return (
-            f"'{other.name}' hangs on vertices of '{obj.name}': clear its parent with Object > Parent > "
-            "Clear and Keep Transformation"
-        )
     for modifier in other.modifiers:
         if modifier.type == "SURFACE_DEFORM" and modifier.target == obj and modifier.is_bound:
             return f"Modifier '{modifier.name}' of '{other.name}' is bound to '{obj.name}': unbind it"

@@ -27,12 +27,12 @@ from ...model.posing.pins import Holder, Kind, Pin
 from ...model.posing.rebinding import Binding
 from ...model.posing.upright import set_right, turned_over
 from ...model.work import Progress
-from ..objects import attributes, mesh_edits, new_faces, rest_shape, stiffness
+from ..objects import attributes, mesh_edits, new_faces, rest_shape, stiffness, vertex_parents
 from ..objects.attributes import Attribute
 from ..objects.cutout_object import SAME_PLACE
 from ..objects.modifiers import lattices_of
 from ..objects.new_faces import NewFaces, face_of_corners, face_settings
-from ..pins import lattice_places, pin_list, places
+from ..pins import controls, lattice_places, pin_list, places
 from ..sequence import pose_blocks, pose_state, up_to_date
 from ..sequence.stretches import Stamps
 from ..storage import changes, points
@@ -252,8 +252,14 @@ class Remesh:
         """Give the object its new mesh. Raises ObjectGone, with nothing changed."""
         yield 0.0
         obj = self._now.drawing.resolve()
-        mesh = obj.data
         changes.tell(obj)  # of what a script has done Blender tells later
+        hung = vertex_parents.read(obj, self._now.rest)
+        with controls.beside(obj):
+            self._write(obj, new)
+        vertex_parents.put_back(hung, obj, new.rest)
+
+    def _write(self, obj: bpy.types.Object, new: Carried) -> None:
+        mesh = obj.data
         fresh = up_to_date.found(obj)
         copies = _copies_as_made(obj)
         owner = mesh_edits.owner_of(mesh) or rest_shape.new_owner()

@@ -21,12 +21,12 @@ from ...model.posing.posing import start_of, start_scale_of
 from ..lattice.posed import PosedObject, read_posed
 from ..lattice.posed_lattice import PosedLattice
 from ..objects.cutout_object import CutoutObject
-from ..pins import pin_list
+from ..pins import followed_mesh, pin_list
 from ..sequence import playback, pose_edit
 from ..storage import points
 from ..storage.vertex_groups import Members
 from . import bake, live, point_cache
-from .to_controls import at_frame, followed
+from .to_controls import at_frame, followed, look_at_carriers
 
 FORMS = (
     ("POSES", "Poses", "A keyed pose for each frame, evenly blended, which can be changed"),
@@ -90,6 +90,7 @@ def _shapes(drawing: PosedObject, frames: range) -> Iterator[Array32]:
     except native.SolveError as error:
         raise Refusal(str(error)) from error
     finally:
+        followed_mesh.evaluated()
         scene.frame_set(int(now), subframe=now - int(now))
 
 
@@ -103,6 +104,7 @@ def _of_drawing(drawing: CutoutObject) -> Steps:
     while True:
         frame = yield shape
         obj, depsgraph = drawing.resolve(), bpy.context.evaluated_depsgraph_get()
+        look_at_carriers(obj, frame, depsgraph)
         posing, keyed = at_frame(obj, drawing, frame, depsgraph, read_at)
         shape = drawing.coordinates(posing.positions) if keyed is None else keyed
 
@@ -119,6 +121,7 @@ def _of_lattice(drawing: PosedObject) -> Steps:
         drawing, read_at = _read_at(obj, frame), np.array(obj.matrix_world, np.float64)
         holders, positions = _holding(obj, drawing, groups, asked), drawing.flattened(shape)
         depsgraph = bpy.context.evaluated_depsgraph_get()
+        look_at_carriers(obj, frame, depsgraph)
         posing = followed(obj, drawing, holders, positions, depsgraph, read_at)
         posing.run()
         shape = drawing.coordinates(posing.positions)

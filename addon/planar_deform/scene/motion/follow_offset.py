@@ -14,7 +14,7 @@ from ...model.posing.pins import Holder, turned
 from ...model.posing.posing import start_of
 from ..lattice.posed import PosedObject, read_posed
 from ..lattice.rig import waiting
-from ..pins import controls, pin_list
+from ..pins import controls, dependencies, pin_list
 
 
 def keep(obj: bpy.types.Object, keys: Iterable[int]) -> None:
@@ -25,7 +25,8 @@ def keep(obj: bpy.types.Object, keys: Iterable[int]) -> None:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     keys = list(keys)
     for key in keys:
-        reason = controls.refusal(obj, obj.planar.pins[key].follow)
+        pin = obj.planar.pins[key]
+        reason = dependencies.refusal(obj, pin.follow, on_mesh=bool(pin.follow_group))
         if reason is not None:
             raise Refusal(reason)
     drawing = read_posed(obj, unkeyed=True)

@@ -15,7 +15,8 @@ import bpy
 
 from ...errors import Refusal
 from ..lattice.posed import posing_refusal, read_posed
-from ..pins import controls
+from ..objects import pose_store
+from ..pins import controls, dependencies, followed_mesh
 from ..sequence import pose_showing, pose_state
 from . import to_controls
 
@@ -44,13 +45,14 @@ def forget() -> None:
 
 
 def objects() -> list[bpy.types.Object]:
-    """Those with Live on."""
+    """Those with Live on, what is followed before what follows it."""
     found = {uid: bpy.data.objects.get(name) for uid, name in _live.items()}
     if any(obj is None or obj.session_uid != uid for uid, obj in found.items()):  # renamed, or gone
         found = {obj.session_uid: obj for obj in bpy.data.objects if obj.session_uid in _live}
         _live.clear()
         _live.update({uid: obj.name for uid, obj in found.items()})
-    return [obj for obj in found.values() if obj is not None]
+    there = [obj for obj in found.values() if obj is not None]
+    return dependencies.in_order(there) if len(there) > 1 else there
 
 
 def switched(obj: bpy.types.Object) -> None:
@@ -83,8 +85,14 @@ def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.ty
     Whether the frame shows that; not so where it must not be written now. What lattices deform follows later,
     in no render. Raises Refusal and ObjectGone.
     """
-    if _paused or obj.mode != "OBJECT" or not obj.evaluated_get(depsgraph).is_evaluated:
+    if (
+        _paused
+        or obj.mode != "OBJECT"
+        or dependencies.waits(obj)
+        or not obj.evaluated_get(depsgraph).is_evaluated
+    ):
         return True
+    dependencies.find_lost(obj)
     frame = scene.frame_current_final
     stamp = controls.stamp(obj, frame, depsgraph)
     if not stamp or (stamp == obj.planar.followed and _shows_it(obj)):
@@ -99,8 +107,17 @@ def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.ty
     if pose_state.is_ours(obj):
         pose_showing.let_play(obj, False)  # Blender would read the curve once more, behind this
     to_controls.solve(obj, read_posed(obj, unkeyed=True), frame, depsgraph)
+    followed_mesh.wrote(obj, pose_store.shown_by(obj))
     obj.planar.followed = stamp
     return True
+
+
+def stands(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
+    """What an object shows is what belongs to where its controls are: it stays until these move.
+
+    Raises Refusal.
+    """
+    obj.planar.followed = controls.stamp(obj, depsgraph.scene.frame_current_final, depsgraph)
 
 
 def _shows_it(obj: bpy.types.Object) -> bool:

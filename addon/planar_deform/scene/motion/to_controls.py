@@ -27,8 +27,8 @@ from ...model.posing.posing import start_of, start_scale_of
 from ..lattice.posed import PosedObject
 from ..lattice.posed_lattice import PosedLattice
 from ..lattice.rig import waiting
-from ..objects.cutout_object import CutoutObject
-from ..pins import controls, joint_list, pin_list
+from ..objects.cutout_object import CutoutObject, read_cutout
+from ..pins import controls, dependencies, followed_mesh, joint_list, pin_list
 from ..sequence import pose_state
 
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
@@ -85,6 +85,21 @@ def at_frame(
     posing = followed(obj, drawing, unposed, begin, depsgraph, read_at, standing, joints)
     posing.run()
     return posing, None if shown is None else drawing.moved(shown, posing.positions)
+
+
+def look_at_carriers(obj: bpy.types.Object, frame: float, depsgraph: bpy.types.Depsgraph) -> None:
+    """Find what the drawings show with Live on, on whose meshes an object hangs, where nothing is written.
+
+    Raises Refusal and native.SolveError.
+    """
+    followed_mesh.evaluated()
+    for carrier in dependencies.in_order(dependencies.above(obj)):
+        if carrier.type != "MESH" or not pin_list.has_pins(carrier) or not carrier.planar.live:
+            continue
+        if controls.stamp(carrier, frame, depsgraph):
+            drawing = read_cutout(carrier, unkeyed=True)
+            posing, shape = at_frame(carrier, drawing, frame, depsgraph)
+            followed_mesh.wrote(carrier, drawing.coordinates(posing.positions) if shape is None else shape)
 
 
 def _rest(drawing: CutoutObject, holders: Sequence[Holder], joints: Sequence[Joint]) -> Array:

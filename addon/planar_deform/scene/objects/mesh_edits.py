@@ -236,3 +236,14 @@ def _carry(moved: bpy.types.Object, done: Affine, turned_over: bool) -> None:
                 pin.follow_axis = done.linear @ np.array(pin.follow_axis)
                 if turned_over:
                     pin.angle = -pin.angle
+        if obj.is_property_set("planar"):
+            _carry_followers(obj, mesh, done)
+
+
+def _carry_followers(obj: bpy.types.Object, mesh: bpy.types.Mesh, done: Affine) -> None:
+    """Pins that follow places of a mesh stay beside them."""
+    for pin in obj.planar.pins:
+        if pin.follow_group and pin.follow is not None and pin.follow.data == mesh:
+            offset = np.array(pin.follow_offset, np.float64).reshape(4, 4)
+            offset[:3] = done.linear @ offset[:3] + np.outer(done.offset, offset[3])
+            pin.follow_offset = offset.ravel()

@@ -22,6 +22,11 @@ def store_of(obj: bpy.types.Object, unkeyed: bool) -> PoseStore:
     return SequenceStore(obj, unkeyed) if pose_state.is_ours(obj) else KeyStore(obj)
 
 
+def shown_by(obj: bpy.types.Object) -> Array32:
+    """The shape that an object shows without its modifiers. Raises Refusal."""
+    return store_of(obj, unkeyed=True).shown.astype(np.float32)
+
+
 class OwnStore:
     """The mesh's or curve's own points."""
 

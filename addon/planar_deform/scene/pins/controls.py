@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Controls: the objects and bones that pins follow, each with the offset at which it was set.
+"""Controls: objects, bones and places of meshes that pins follow, each with the offset at which it was set.
 
 A pin is a matrix for this: its place, and for a patch how it is turned in the plane of its drawing. The
 offset is that matrix in the space of the control.
@@ -15,9 +15,12 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array
+from ..objects import pose_store
 from ..sequence import pose_state
 from ..sequence.pose_blocks import played_value
-from .pin_list import is_joint
+from ..storage import changes
+from . import followed_mesh
+from .pin_list import has_pins, is_joint
 
 _given = False
 
@@ -41,27 +44,6 @@ def is_given() -> bool:
 def follows_any(obj: bpy.types.Object) -> bool:
     """Whether any pin of an object follows something."""
     return any(pin.follow is not None for pin in obj.planar.pins)
-
-
-def refusal(obj: bpy.types.Object, control: bpy.types.Object) -> str | None:
-    """Why the pins of an object cannot follow another one, and what to do."""
-    if control == obj:
-        return f"'{obj.name}' cannot follow itself: choose another object"
-    above: bpy.types.Object | None = control
-    while above is not None:
-        if above.parent == obj and above.parent_type in {"VERTEX", "VERTEX_3"}:
-            return (
-                f"'{control.name}' hangs on vertices of '{obj.name}', which its pins move: parent it to the "
-                "object instead, or choose another one"
-            )
-        for constraint in above.constraints:
-            if getattr(constraint, "target", None) == obj and getattr(constraint, "subtarget", ""):
-                return (
-                    f"Constraint '{constraint.name}' of '{above.name}' hangs on vertices of '{obj.name}', "
-                    "which its pins move: remove it, or choose another object"
-                )
-        above = above.parent
-    return None
 
 
 def stamp(obj: bpy.types.Object, frame: float, depsgraph: bpy.types.Depsgraph) -> str:
@@ -108,9 +90,40 @@ def control_matrix(pin: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph)
             )
         matrix = matrix @ bone.matrix
     found = np.array(matrix, np.float64)
+    if np.isfinite(found).all() and pin.follow_group and pin.follow.type == "MESH":
+        found = followed_mesh.motion_of(pin.follow, pin.follow_group, found, depsgraph) @ found
     if not np.isfinite(found).all():
         raise Refusal(f"'{pin.follow.name}', which pin '{pin.name}' follows, is nowhere: see its transform")
     return found
+
+
+@contextlib.contextmanager
+def beside(carrier: bpy.types.Object) -> Iterator[None]:
+    """The rest shape of a mesh changes, or its groups: what follows places of it stays where it is."""
+    following = [
+        (obj.name, key)
+        for obj in bpy.data.objects
+        for key, pin in enumerate(obj.planar.pins if has_pins(obj) else ())
+        if pin.follow == carrier and pin.follow_group
+    ]
+    if not following:
+        yield
+        return
+    depsgraph, goals = bpy.context.evaluated_depsgraph_get(), {}
+    for name, key in following:
+        with contextlib.suppress(Refusal):  # it follows nothing at present
+            goals[name, key] = goal_of(bpy.data.objects[name].planar.pins[key], depsgraph)
+    changes.tell(carrier)  # what has been read of it for this
+    yield
+    changes.tell(carrier)
+    followed_mesh.wrote(carrier, pose_store.shown_by(carrier))
+    try:
+        for (name, key), goal in goals.items():
+            pin = bpy.data.objects[name].planar.pins[key]
+            with contextlib.suppress(Refusal):  # told when it is to go somewhere
+                pin.follow_offset = (np.linalg.pinv(control_matrix(pin, depsgraph)) @ goal).ravel()
+    finally:
+        followed_mesh.evaluated()
 
 
 def _is_up_to_date(control: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:

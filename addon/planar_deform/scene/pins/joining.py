@@ -25,7 +25,7 @@ from . import controls, pin_list
 # What a pin keeps, beside its group.
 _KEPT = (
     *("name", "kind", "enabled", "has_target", "target", "reached", "angle", "scale", "reached_scale"),
-    *("follow_bone", "follow_offset", "follow_axis"),
+    *("follow_bone", "follow_group", "follow_offset", "follow_axis"),
 )
 
 
@@ -150,7 +150,8 @@ def _add(
         obj.planar.active_pin = active
     names = {other.name for other in obj.planar.pins if other != added}
     with controls.given():
-        added.follow = bpy.data.objects.get(pin.follow)
+        followed = bpy.data.objects.get(pin.follow)
+        added.follow = None if followed == obj else followed  # it is of one piece with that now
         for name, value in pin.settings.items():
             setattr(added, name, value)
     added.name = pin_list.free_name(pin.settings["name"], names)

@@ -48,6 +48,8 @@ def _draw_pin(layout: bpy.types.UILayout, pin: bpy.types.PropertyGroup) -> None:
         return
     if pin.follow.type == "ARMATURE":
         column.prop_search(pin, "follow_bone", pin.follow.data, "bones", text="Bone")
+    if pin.follow.type == "MESH":
+        column.prop_search(pin, "follow_group", pin.follow, "vertex_groups", text="Place")
     row = layout.row(align=True)
     row.operator("planar.set_follow_offset")
     row.operator("planar.clear_follow_offset")

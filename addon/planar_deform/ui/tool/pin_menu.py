@@ -36,6 +36,12 @@ class PLANAR_MT_pin_context(bpy.types.Menu):
         layout.operator("planar.remove_pins", icon="X")
 
 
+def draw_carrying(layout: bpy.types.UILayout) -> None:
+    """What hangs whole objects and their pins on a drawing."""
+    layout.operator("planar.attach_to", icon="CON_CHILDOF")
+    layout.operator("planar.detach_from", icon="X")
+
+
 def draw_depths(
     layout: bpy.types.UILayout, *, front: str = "Bring Forward", back: str = "Send Backward"
 ) -> None:
@@ -63,6 +69,7 @@ class PLANAR_MT_drawing_context(bpy.types.Menu):
         layout.separator()
         layout.operator("planar.attach", icon="LINKED")
         layout.operator("planar.detach", icon="UNLINKED")
+        draw_carrying(layout)
         layout.separator()
         for text, action in (("Select All", "ALL"), ("Select None", "NONE"), ("Invert Selection", "INVERT")):
             layout.operator("planar.select_pins", text=text).action = action
