@@ -27,12 +27,12 @@ def cells() -> list[Cell]:
     bpy.ops.planar.attach()
     joints = [pin.group for pin in obj.planar.pins]
     puppet.add_pins(obj, layers, [plan for plan in fox.PINS if plan.name in PINS])
-    found = [("Attached", f"{len(joints)} joints, {len(PINS)} pins", _picture(obj, joints))]
+    found = [("Attached", f"{len(joints)} joints, {len(PINS)} pins", picture(obj, joints, VIEW, GROUND))]
     _drag(obj, "Head", (0.75, -0.25), -0.35)
-    found.append(("The head is dragged", "", _picture(obj, joints)))
+    found.append(("The head is dragged", "", picture(obj, joints, VIEW, GROUND)))
     _drag(obj, "Near Hand", (-0.35, 1.9), -1.2)
     _drag(obj, "Lantern", (0.35, 1.0), 0.0)
-    found.append(("Then a hand and the lantern", "", _picture(obj, joints)))
+    found.append(("Then a hand and the lantern", "", picture(obj, joints, VIEW, GROUND)))
     bpy.data.meshes.remove(obj.data)  # and with it the object
     return found
 
@@ -45,18 +45,20 @@ def _drag(obj: bpy.types.Object, pin: str, offset: tuple[float, float], angle: f
     bpy.ops.planar.settle_pose()
 
 
-def _picture(obj: bpy.types.Object, joints: list[str]) -> Image.Image:
+def picture(
+    obj: bpy.types.Object, joints: list[str], view: View, ground: tuple[int, int, int]
+) -> Image.Image:
     """The object as it stands, with its pins, and joints as rings."""
     places = puppet.pin_points(obj)
     pins = {name: place for name, place in places.items() if name not in joints}
     patches = {pin.group for pin in obj.planar.pins if pin.kind == "PATCH"}
-    rendered = contact_sheet.render(bpy.context.scene, VIEW)
-    picture = contact_sheet.cell(rendered, VIEW, puppet.shown_points(obj), pins, patches, GROUND)
-    large = Image.new("RGBA", (VIEW.width * FINE, VIEW.height * FINE))
+    rendered = contact_sheet.render(bpy.context.scene, view)
+    shown = contact_sheet.cell(rendered, view, puppet.shown_points(obj), pins, patches, ground)
+    large = Image.new("RGBA", (view.width * FINE, view.height * FINE))
     draw = ImageDraw.Draw(large)
-    for x, y in (VIEW.pixels(np.array([places[name] for name in joints])) * FINE).tolist():
+    for x, y in (view.pixels(np.array([places[name] for name in joints])) * FINE).tolist():
         for colour, width in (((20, 20, 25), 8), (PIN, 4)):
             draw.ellipse((x - 14, y - 14, x + 14, y + 14), outline=colour, width=width)
-    small = large.resize(picture.size, Image.Resampling.LANCZOS)
-    picture.paste(small, mask=small.getchannel("A"))
-    return picture
+    small = large.resize(shown.size, Image.Resampling.LANCZOS)
+    shown.paste(small, mask=small.getchannel("A"))
+    return shown

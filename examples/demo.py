@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws two characters, pins and poses them in Blender with the add-on's operators, and renders them.
+"""Draws three characters, pins and poses them in Blender with the add-on's operators, and renders them.
 
-One of them is posed by each method, to compare them. Poses of both are keyed on the timeline, the frames
-between them are generated, and a film of it is rendered. Lattices bend several objects and a model, and a
-surface is laid flat.
+One of them is posed by each method, to compare them. Poses are keyed on the timeline, the frames between them
+are generated, and films of them are rendered: two act on a stage, the third, of eight layers, walks. Lattices
+bend several objects and a model, and a surface is laid flat.
 
-Run by `make demo`. Writes out/demo.blend, out/contact_sheet.png, out/demo.mp4 and out/film_sheet.png; with
---pictures FOLDER also the docs' pictures.
+Run by `make demo`. Writes out/demo.blend, out/contact_sheet.png, the films out/demo.mp4 and out/walk.mp4, and
+out/film_sheet.png and out/walk_sheet.png; with --pictures FOLDER also the docs' pictures.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ import outline_sheet  # noqa: E402
 import planar_deform  # noqa: E402
 import planar_native  # noqa: E402
 import puppet  # noqa: E402
+import walker  # noqa: E402
 from comparison import Trial  # noqa: E402
 from contact_sheet import View  # noqa: E402
 from drawing import Layer  # noqa: E402
@@ -145,12 +146,19 @@ def run(pictures: Path | None) -> None:
     sheet.save(out / "contact_sheet.png", optimize=True)
     film_sheet = make_film(cast, out / "demo.mp4")
     film_sheet.save(out / "film_sheet.png", optimize=True)
+    stage = bpy.context.scene
+    on_the_way = walker.perform(with_pictures=pictures is not None)
+    walk_sheet = walker.shoot(out / "walk.mp4")
+    walk_sheet.save(out / "walk_sheet.png", optimize=True)
+    bpy.context.window.scene = stage
     show_front_view()
     bpy.context.preferences.filepaths.save_version = 0  # no demo.blend1 beside it
     with contact_sheet.silenced_blender():
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
     if pictures:
-        images |= {"contact_sheet": sheet, "film": film_sheet}
+        images |= {"contact_sheet": sheet, "film": film_sheet, "walk": walk_sheet}
+        images["character_layers"] = contact_sheet.sheet("Eight drawings", on_the_way[:1])
+        images["character_poses"] = contact_sheet.sheet("Hung together, and a step of it", on_the_way[1:])
         images["cutouts"] = contact_sheet.sheet("Outlines and meshes", outline_sheet.rows(cutout.DRAWINGS))
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])
         images["lattices"] = contact_sheet.sheet("Posed by one lattice each", in_lattices)
@@ -160,7 +168,9 @@ def run(pictures: Path | None) -> None:
         images["attach"], images["carried"] = in_parts, in_hand
         images["arcs_bar"] = contact_sheet.sheet("A bar rolled up by 300 degrees", arcs.bar_rows(300))
         save_pictures(pictures, images)
-    wrote = ("demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png")
+    wrote = (
+        "demo.blend", "contact_sheet.png", "demo.mp4", "film_sheet.png", "walk.mp4", "walk_sheet.png"
+    )  # fmt: skip
     print(f"Wrote {', '.join(f'out/{name}' for name in wrote)}; {time.perf_counter() - start:.1f} s in all")
 
 
@@ -370,7 +380,7 @@ def save_pictures(folder: Path, images: Mapping[str, Image.Image]) -> None:
     """Pictures for the docs by name, no wider than a page needs, as JPEG."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, image in images.items():
-        width = min(image.width, 1100 if name == "film" else 1500)
+        width = min(image.width, 1100 if name in {"film", "walk"} else 1500)
         size = (width, round(width * image.height / image.width))
         small = image.resize(size, Image.Resampling.LANCZOS)
         small.save(folder / f"{name}.jpg", quality=85, optimize=True)

@@ -212,6 +212,8 @@ class Layer:
                 min(size[0], int((x1 - left) * fine) + 5),
                 min(size[1], int((top - z0) * fine) + 5),
             )
+            if box[0] >= box[2] or box[1] >= box[3]:
+                continue  # beside the sheet
             canvas = Canvas((left + box[0] / fine, top - box[1] / fine), fine, image.crop(box))
             brush(canvas)
             image.paste(canvas.image, box)

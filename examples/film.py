@@ -56,15 +56,28 @@ def build_stage(view: View, standing: Mapping[float, float]) -> bpy.types.Object
         ImageDraw.Draw(shadows).ellipse((start, middle - 8, end, middle + 8), fill=110)
     paper.paste(Image.new("RGB", size, INK), mask=shadows.filter(ImageFilter.GaussianBlur(5)))
 
+    return picture_of(view, "Stage", paper)
+
+
+def picture_of(view: View, name: str, paper: Image.Image) -> bpy.types.Object:
+    """A picture behind all, that fills the view."""
     bleed = 2 * view.unit  # two pixels all round, for samples beside the frame's last ones
     left, right = view.left - bleed, view.left + view.width * view.unit + bleed
     bottom, top = view.bottom - bleed, view.bottom + view.height * view.unit + bleed
-    corners = [(left, 1, bottom), (right, 1, bottom), (right, 1, top), (left, 1, top)]
-    mesh = bpy.data.meshes.new("Stage")
+    return picture(name, paper.convert("RGBA"), (left, bottom, right, top), 1.0)
+
+
+def picture(
+    name: str, image: Image.Image, box: tuple[float, float, float, float], depth: float
+) -> bpy.types.Object:
+    """An image as a flat object that shines by itself, in a box (left, bottom, right, top) at y = depth."""
+    left, bottom, right, top = box
+    corners = [(left, depth, bottom), (right, depth, bottom), (right, depth, top), (left, depth, top)]
+    mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", [0, 0, 1, 0, 1, 1, 0, 1])
-    mesh.materials.append(material("Stage", paper.convert("RGBA")))
-    return bpy.data.objects.new("Stage", mesh)
+    mesh.materials.append(material(name, image))
+    return bpy.data.objects.new(name, mesh)
 
 
 def prepare(scene: bpy.types.Scene, view: View) -> None:

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lamplighter, a mouse seen from the side: seven layers that hang together, and a lantern of its own."""
+"""The lamplighter, a mouse seen from the side: eight layers that hang together, one of them its lantern."""
 
 from __future__ import annotations
 
 from shapely.geometry import box
 from shapely.ops import unary_union
 
-from drawing import Colour, Layer, blob, ellipse, limb, moved, tint
+from drawing import Colour, Layer, blob, ellipse, limb, tint
+from puppet import PinPlan
 
 FUR: Colour = (176, 160, 160)
 PINK: Colour = (240, 158, 152)
@@ -24,9 +25,10 @@ FAR = 0.13  # how far the far leg stands before the near one
 
 
 def layers() -> list[Layer]:
-    """The mouse from back to front, standing on z = 0 and looking to the right, four units tall with its cap."""
+    """The mouse from back to front, standing on z = 0 and looking to the right, four units tall."""
     return [
         _tail(),
+        _lantern(),
         _far_arm(),
         _leg("Far Leg", 0.12, FAR),
         _leg("Near Leg", 0.06, 0.0),
@@ -36,14 +38,15 @@ def layers() -> list[Layer]:
     ]
 
 
-def lantern() -> list[Layer]:
-    """The lantern as it hangs from the far hand, an object of its own."""
-    layer = Layer("Lantern", depth=0.21)
+def _lantern() -> Layer:
+    layer = Layer("Lantern", depth=0.24)
     x, z = HAND
     ring = ellipse(x, z - 0.10, 0.19, 0.21).difference(ellipse(x, z - 0.10, 0.135, 0.155))
     layer.fill(ring, BRASS, shade=0.03)
-    glass = blob([(x - 0.15, z - 0.42), (x + 0.15, z - 0.42), (x + 0.21, z - 0.60), (x + 0.15, z - 0.78),
-                  (x - 0.15, z - 0.78), (x - 0.21, z - 0.60)])  # fmt: skip
+    glass = blob([
+        (x - 0.15, z - 0.42), (x + 0.15, z - 0.42), (x + 0.21, z - 0.60), (x + 0.15, z - 0.78),
+        (x - 0.15, z - 0.78), (x - 0.21, z - 0.60),
+    ])  # fmt: skip
     layer.fill(glass, GLOW, shade=0.04)
     flame = blob([(x, z - 0.46, "corner"), (x + 0.075, z - 0.63), (x, z - 0.73), (x - 0.075, z - 0.63)])
     layer.gradient(flame.buffer(0.05), (255, 252, 230), inside=glass, blur=0.05)
@@ -54,15 +57,17 @@ def lantern() -> list[Layer]:
         layer.stroke(
             [(x + dx, z - 0.43), (x + 1.3 * dx, z - 0.60), (x + dx, z - 0.77)], 0.028, tint(BRASS, -0.5)
         )
-    cap = blob([(x - 0.07, z - 0.30, "corner"), (x + 0.07, z - 0.30, "corner"), (x + 0.22, z - 0.44, "corner"),
-                (x - 0.22, z - 0.44, "corner")])  # fmt: skip
+    cap = blob([
+        (x - 0.07, z - 0.30, "corner"), (x + 0.07, z - 0.30, "corner"), (x + 0.22, z - 0.44, "corner"),
+        (x - 0.22, z - 0.44, "corner"),
+    ])  # fmt: skip
     layer.fill(cap, BRASS, shade=0.035)
     layer.fill(box(x - 0.19, z - 0.86, x + 0.19, z - 0.76), BRASS, shade=0.035)
-    return [layer]
+    return layer
 
 
 def _tail() -> Layer:
-    layer = Layer("Tail", depth=0.24)
+    layer = Layer("Tail", depth=0.30)
     points = [(-0.02, 1.34), (-0.46, 1.02), (-0.98, 0.88), (-1.38, 1.10), (-1.52, 1.50), (-1.36, 1.80)]
     layer.fill(limb(points, (0.095, 0.085, 0.07, 0.058, 0.046, 0.034)), PINK, shade=0.035)
     for x, z in ((-0.62, 0.95), (-0.80, 0.905), (-0.98, 0.895), (-1.16, 0.965)):
@@ -232,6 +237,28 @@ def _near_arm() -> Layer:
     layer.fill(paw, FUR, shade=0.04)
     layer.fill(sleeve, COAT, shade=0.06)
     layer.fill(limb([(-0.175, 1.215), (0.085, 1.27)], (0.06, 0.06)), tint(COAT, -0.3), shade=0.025)
-    layer.gradient(moved(sleeve, 0.0, 0.0).intersection(box(-0.3, 1.42, 0.3, 1.52)), tint(COAT, -0.2),
+    layer.gradient(sleeve.intersection(box(-0.3, 1.42, 0.3, 1.52)), tint(COAT, -0.2),
                    inside=sleeve, blur=0.05, opacity=0.5)  # fmt: skip
     return layer
+
+
+PINS = (
+    PinPlan("Hips", "Body", (0.04, 1.36), radius=0.15),
+    PinPlan("Chest", "Body", (0.06, 2.06), "Hips", radius=0.12),
+    PinPlan("Scarf Tip", "Body", (-1.06, 1.86), "Chest"),
+    PinPlan("Head", "Head", (0.26, 2.60), "Chest", radius=0.30),
+    PinPlan("Cap Tip", "Head", (-1.02, 2.86), "Head"),
+    PinPlan("Far Knee", "Far Leg", (FAR + 0.04, 0.78), "Hips"),
+    PinPlan("Far Heel", "Far Leg", (FAR - 0.12, 0.07), "Far Knee"),
+    PinPlan("Far Toe", "Far Leg", (FAR + 0.35, 0.07), "Far Heel"),
+    PinPlan("Near Knee", "Near Leg", (0.04, 0.78), "Hips"),
+    PinPlan("Near Heel", "Near Leg", (-0.12, 0.07), "Near Knee"),
+    PinPlan("Near Toe", "Near Leg", (0.35, 0.07), "Near Heel"),
+    PinPlan("Far Elbow", "Far Arm", (0.50, 1.60), "Chest"),
+    PinPlan("Far Hand", "Far Arm", HAND, "Far Elbow", radius=0.10),
+    PinPlan("Lantern", "Lantern", (HAND[0], HAND[1] - 0.60), "Far Hand", radius=0.17),
+    PinPlan("Near Elbow", "Near Arm", (-0.13, 1.52), "Chest"),
+    PinPlan("Near Hand", "Near Arm", (0.02, 1.04), "Near Elbow", radius=0.09),
+    PinPlan("Tail Middle", "Tail", (-0.98, 0.88), "Hips"),
+    PinPlan("Tail Tip", "Tail", (-1.38, 1.76), "Tail Middle"),
+)

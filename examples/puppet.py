@@ -58,14 +58,21 @@ class Effort:
 
 
 def add_pins(obj: bpy.types.Object, layers: Sequence[Layer], plans: Sequence[PinPlan]) -> None:
-    """Makes a vertex group for each planned pin and turns the groups into pins."""
+    """Adds the planned pins: points at their places, patches on the vertices within their radius."""
     points = shown_points(obj)
     for plan in plans:
-        members = layer_vertices(obj, next(layer for layer in layers if layer.name == plan.layer))
-        distance = np.hypot(*(points[members] - plan.at).T)
-        chosen = members[distance <= plan.radius] if plan.radius else members[[distance.argmin()]]
-        obj.vertex_groups.new(name=plan.name).add(chosen.tolist(), 1.0, "REPLACE")
-        bpy.ops.planar.add_pin_from_group(group=plan.name, kind="PATCH" if plan.radius else "POINT")
+        layer = next(layer for layer in layers if layer.name == plan.layer)
+        if plan.radius:
+            members = layer_vertices(obj, layer)
+            chosen = members[np.hypot(*(points[members] - plan.at).T) <= plan.radius]
+            obj.vertex_groups.new(name=plan.name).add(chosen.tolist(), 1.0, "REPLACE")
+            bpy.ops.planar.add_pin_from_group(group=plan.name, kind="PATCH")
+        else:
+            x, z = plan.at
+            bpy.ops.planar.add_pin(location=obj.matrix_world @ Vector((x, layer.depth, z)))
+            pin = obj.planar.pins[-1]
+            obj.vertex_groups[pin.group].name = plan.name
+            pin.name = pin.group = plan.name
 
 
 def shown_points(obj: bpy.types.Object) -> np.ndarray:
@@ -76,18 +83,24 @@ def shown_points(obj: bpy.types.Object) -> np.ndarray:
     return points.reshape(-1, 3)[:, (0, 2)].astype(float)
 
 
+def rest_points(obj: bpy.types.Object) -> np.ndarray:
+    """The rest shape of an object with keyed poses, n x 2 (x, z) in the object's space."""
+    block = obj.data.shape_keys.key_blocks[0]
+    points = np.empty(3 * len(block.points), np.float32)
+    block.points.foreach_get("co", points)
+    return points.reshape(-1, 3)[:, (0, 2)].astype(float)
+
+
 def pin_points(obj: bpy.types.Object) -> dict[str, np.ndarray]:
-    """Where the group of each pin that is on now is (x, z): the mean of its vertices on the shown shape."""
+    """Where each pin that is on is shown (x, z): the weighted mean of its group's vertices."""
     points = shown_points(obj)
-    members: dict[int, list[int]] = {}
+    sums: dict[int, np.ndarray] = {}  # by group: x, z and 1 by weight
     for vertex in obj.data.vertices:
         for group in vertex.groups:
-            members.setdefault(group.group, []).append(vertex.index)
-    return {
-        pin.group: points[members[obj.vertex_groups[pin.group].index]].mean(axis=0)
-        for pin in obj.planar.pins
-        if pin.enabled
-    }
+            weighed = group.weight * np.array([*points[vertex.index], 1.0])
+            sums[group.group] = sums.get(group.group, 0.0) + weighed
+    found = {pin.group: sums[obj.vertex_groups[pin.group].index] for pin in obj.planar.pins if pin.enabled}
+    return {name: total[:2] / total[2] for name, total in found.items()}
 
 
 def key_rest(obj: bpy.types.Object, frame: int) -> None:
