@@ -15,6 +15,17 @@ class ObjectGone(Exception):  # noqa: N818
     """The object or mesh a posing began with has been deleted, replaced or edited meanwhile."""
 
 
+@contextmanager
+def naming(name: str | None) -> Iterator[None]:
+    """A refusal of one of several objects tells whose it is; None: it is of the only one."""
+    try:
+        yield
+    except Refusal as refusal:
+        if name is None or f"'{name}'" in str(refusal):
+            raise
+        raise Refusal(f"'{name}': {refusal}") from refusal
+
+
 class Refusals:
     """Those of several things, told together."""
 

@@ -31,7 +31,7 @@ MOVES = 9
 
 def costs(side: int) -> dict[str, float]:
     """By what is done."""
-    from planar_deform.operators.modal.object_posing import ObjectPosing
+    from planar_deform.operators.modal.several_posing import SeveralPosing, begin
     from planar_deform.scene import follow
     from planar_deform.scene.inbetweens import planning, writing
     from planar_deform.scene.objects.any_object import begin_shape
@@ -65,8 +65,8 @@ def costs(side: int) -> dict[str, float]:
 
         measured("release", release)
 
-    def begun() -> ObjectPosing:
-        posing = ObjectPosing(bpy.context, 3)
+    def begun() -> SeveralPosing:
+        posing = begin(bpy.context, 3)
         assert posing.model is not None
         return posing
 

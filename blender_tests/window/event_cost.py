@@ -44,7 +44,7 @@ class Watch:
         self._wrap(addon("scene.view.snapshot"), "of_active", self._timed)
         self._wrap(addon("model.posing.posing").Posing, "move", self._solving)
         self._wrap(addon("model.posing.solving").Solving, "ask", self._asking)
-        self._wrap(addon("operators.modal.object_posing").ObjectPosing, "show", self._showing)
+        self._wrap(addon("operators.modal.several_posing").SeveralPosing, "show", self._showing)
 
     def _wrap(self, owner: object, name: str, wrapper: Callable) -> None:
         original = getattr(owner, name)

@@ -151,7 +151,7 @@ def test_in_drags_and_settlings(window: Window) -> Iterator[None]:
     bpy.ops.ed.undo_push(message="Posed")
     yield
     operator = addon("operators.drag").PLANAR_OT_drag_pins
-    posing = addon("operators.modal.object_posing").ObjectPosing
+    posing = addon("operators.modal.several_posing").SeveralPosing
     session = addon("operators.modal.session").Session
     mouse = addon("operators.modal.plane_mouse").PlaneMouse
     keying = addon("operators.keying")
@@ -184,7 +184,7 @@ def test_in_drags_and_settlings(window: Window) -> Iterator[None]:
 def test_in_recordings(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT)
     operator = addon("operators.record").PLANAR_OT_record_pins
-    posing = addon("operators.modal.object_posing").ObjectPosing
+    posing = addon("operators.modal.several_posing").SeveralPosing
     mouse = addon("operators.modal.plane_mouse").PlaneMouse
     for owner, name, after in (
         (operator, "_wait", 0),

@@ -11,6 +11,11 @@ Result = TypeVar("Result")
 Progress = Callable[[float], bool]  # takes the share done; False from it: nobody waits any more
 
 
+def part_of(progress: Progress, number: int, count: int) -> Progress:
+    """That of one of several that are solved one behind the other, by its number from 0."""
+    return lambda share: progress((number + share) / count)
+
+
 class Work(Generic[Result]):
     """Runs `solve(progress)` at once. Stopped, it ends by itself, and nobody waits for that.
 

@@ -17,7 +17,8 @@ from ..scene.objects.cutout_object import CutoutObject, begin
 from ..scene.pin_properties import JOINT_KINDS
 from ..scene.pins import joint_list, pin_list
 from .modal import running
-from .pins import ON_MESH, PinListOperator, select_only
+from .modal.pin_selection import select_only
+from .pins import ON_MESH, PinListOperator
 from .posing_operator import PosingOperator
 
 ONE_PART = (
@@ -72,7 +73,7 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
                 if there
                 else "No parts of the drawing lie on each other at rest: lay them so and use Set as Rest"
             )
-        select_only(obj, [])
+        select_only(obj, set())
         welds = 0
         for attachment in found:
             joint = _added(obj, drawing, attachment)
@@ -119,7 +120,7 @@ class PLANAR_OT_add_joint(WeldRadius, JointOperator, bpy.types.Operator):
             raise Refusal("No other part lies there at rest: add the joint where two parts lie on each other")
         joint = _add(obj, drawing, Attachment(below[0], part, place, self.kind == "WELD"), self.radius)
         if not self.extend:
-            select_only(obj, [])
+            select_only(obj, set())
         joint.select = True
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ..scene.view import snapshot
-from ..scene.view.mouse import hidden_refusal, pins_within
+from ..scene.view.mouse import hidden_refusal, pin_at, pins_within
 from .modal.gesture_run import GestureOperator, GestureRun
 from .modal.session import PASSED_ON
 from .pins import PinListOperator
@@ -47,13 +47,11 @@ class PLANAR_OT_box_select_pins(GestureOperator, PinListOperator, bpy.types.Oper
     def _select(
         self, context: bpy.types.Context, event: bpy.types.Event, start: tuple[float, float]
     ) -> set[str]:
-        seen = snapshot.in_view(context)
-        if seen is None:
-            return {"CANCELLED"}
-        inside = pins_within(context.region, context.region_data, seen.pins, start, _place(event))
+        shown = snapshot.pins_in_view(context)
+        inside = pins_within(context.region, context.region_data, shown, start, _place(event))
         wanted = not event.shift and self._button == "LEFTMOUSE"
-        pins = context.object.planar.pins
-        changed = [pins[index] for index in inside if pins[index].select != wanted]
+        pins = (pin_at(place) for place in inside)
+        changed = [pin for pin in pins if pin is not None and pin.select != wanted]
         for pin in changed:
             pin.select = wanted
         return {"FINISHED"} if changed else {"CANCELLED"}

@@ -4,24 +4,29 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty
 
 from .. import native
-from ..errors import ObjectGone, Refusal, try_all
+from ..errors import ObjectGone, Refusal, naming, try_all
 from ..model.input.breakdown import FURTHEST, OVERSHOOT, WIDTH, Slider, limited
-from ..model.work import Work
+from ..model.work import Progress, Work, part_of
 from ..scene.inbetweens import breakdown
 from ..scene.inbetweens.breakdown import Way
 from ..scene.objects import modifiers
+from ..scene.sequence import playback
+from ..scene.sequence.playback import Steps
 from ..scene.view import snapshot
 from .keying import key_shown
 from .modal import reports, running
 from .modal.long_job import INSTANT, RATE
+from .modal.reports import Tell
 from .modal.session import CONFIRM, PASSED_ON, put_away, put_up
 from .poses import PoseListOperator
+from .posing_operator import left_out_told
 
 KEYS = (
     "Move Left or Right: Slide   LMB or Enter: Key   Esc or RMB: Cancel   Shift: Precise   Ctrl: Snap   "
@@ -32,9 +37,9 @@ KEYS = (
 class _Sliding:
     """A breakdown under way in a window: first its way is solved, then it slides."""
 
-    def __init__(self, way: Way):
-        self._way = way
-        self.work = Work(way.solve)
+    def __init__(self, ways: Ways):
+        self._ways = ways
+        self.work = Work(ways.solve)
         self.clock: running.Clock | None = None  # until it is solved
 
     def solved(self) -> None:
@@ -44,16 +49,65 @@ class _Sliding:
 
     def give_way(self) -> None:
         """See running.Run."""
-        try:
-            with contextlib.suppress(ObjectGone):
-                self._way.restore()
-        finally:
-            self.let_go()
+        try_all((self._ways.restore, self.let_go))
 
     def let_go(self) -> None:
         """See running.Run."""
         self.work.stop()
         try_all((self.solved, snapshot.release, put_away))
+
+
+class Ways:
+    """The ways of several objects, on which all are shown at the same share."""
+
+    def __init__(self, context: bpy.types.Context, objects: Sequence[bpy.types.Object]):
+        """Raises Refusal, with nothing changed."""
+        self._ways: list[Way] = []
+        for obj in objects:
+            name = obj.name if len(objects) > 1 else None
+            with naming(name), _refusing():
+                self._ways.append(Way(context, obj))
+        self.frame = context.scene.frame_current_final
+
+    @property
+    def start(self) -> float:
+        """Where the first one is on its way."""
+        return self._ways[0].start
+
+    @property
+    def objects(self) -> list[bpy.types.Object]:
+        """The objects. Raises ObjectGone."""
+        return [way.drawing.resolve() for way in self._ways]
+
+    def solve(self, progress: Progress | None = None) -> None:
+        """Find the ways, see Way.solve(). Raises Refusal and native.Cancelled."""
+        for number, way in enumerate(self._ways):
+            with naming(way.drawing.object_name if len(self._ways) > 1 else None), _refusing():
+                way.solve(None if progress is None else part_of(progress, number, len(self._ways)))
+
+    def show(self, share: float) -> None:
+        """Show the shapes at a share of the ways. Raises ObjectGone and Refusal."""
+        for way in self._ways:
+            with naming(way.drawing.object_name if len(self._ways) > 1 else None), _refusing():
+                way.show(share)
+
+    def restore(self) -> None:
+        """Put everything back as it was, to the bit, as far as it is there."""
+        try_all(partial(_restore, way) for way in self._ways)
+
+
+def _restore(way: Way) -> None:
+    with contextlib.suppress(ObjectGone):
+        way.restore()
+
+
+@contextlib.contextmanager
+def _refusing() -> Iterator[None]:
+    """What a solver says is a refusal."""
+    try:
+        yield
+    except native.SolveError as error:
+        raise Refusal(str(error)) from error
 
 
 class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
@@ -81,35 +135,40 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        reason = super().refusal(context)
-        return (
-            reason
-            or modifiers.covering(context.object)
-            or breakdown.refusal(context.object, context.scene.frame_current_final)
-        )
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
+        reason = super().refusal_of(context, obj)
+        if obj is None or reason is not None:
+            return reason
+        return modifiers.covering(obj) or breakdown.refusal(obj, context.scene.frame_current_final)
 
     def apply(self, context: bpy.types.Context) -> None:
+        self._begin(context)
         try:
-            way = Way(context)
-            way.solve()
-            try:
-                way.show(self._share)
-                self._key(context)
-            except Exception:
-                way.restore()
-                raise
-        except native.SolveError as error:
-            raise Refusal(str(error)) from error
+            self._ways.solve()
+            self._ways.show(self._share)
+            self._key(context)
+        except Exception:
+            self._ways.restore()
+            raise
         finally:
             snapshot.release()
+
+    def _begin(self, context: bpy.types.Context) -> None:
+        chosen = self.chosen(context)
+        self._ways = Ways(context, chosen.objects)
+        self._left_out = left_out_told(chosen)
 
     @property
     def _share(self) -> float:
         return limited(self.percent / 100.0, overshoot=self.overshoot)
 
     def _key(self, context: bpy.types.Context) -> None:
-        reports.inform(self, key_shown(context, kind="BREAKDOWN"))
+        told: list[str] = []
+        playback.run(playback.together(self.steps(context, self._ways.objects, told)))
+        self.tell([*told, *self._left_out])
+
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        return key_shown(context, obj, tell, kind="BREAKDOWN")
 
     # ---- by mouse and keys
 
@@ -121,12 +180,12 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             return {"CANCELLED"}
         running.end()
         try:
-            self._way = Way(context)
-        except Refusal as refusal:
-            self.report({"ERROR"}, str(refusal))
+            self._begin(context)
+        except Refusal as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._slider: Slider | None = None
-        self._sliding = _Sliding(self._way)
+        self._sliding = _Sliding(self._ways)
         running.start(self._sliding)
         put_up(context, KEYS, cursor="SCROLL_X")
         result = self._guarded(lambda: self._look(context, event, INSTANT))
@@ -139,7 +198,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if not self._on:
             return {"CANCELLED"}
-        if context.scene.frame_current_final != self._way.frame:
+        if context.scene.frame_current_final != self._ways.frame:
             return self._leave({"CANCELLED"})  # as any unkeyed pose, it has gone with its frame
         return self._guarded(lambda: self._handle(context, event))
 
@@ -184,14 +243,14 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         self._sliding.work.result()
         self._sliding.solved()
         width = WIDTH * context.preferences.system.ui_scale
-        self._slider = Slider.begin(self._way.start, event.mouse_x, width, overshoot=self.overshoot)
+        self._slider = Slider.begin(self._ways.start, event.mouse_x, width, overshoot=self.overshoot)
         return self._show(context)
 
     def _show(self, context: bpy.types.Context) -> set[str]:
         assert self._slider is not None
         self.overshoot = self._slider.overshoot
         self.percent = 100.0 * self._slider.share
-        self._way.show(self._share)  # as the property has it, so that the redo panel gives the same bits
+        self._ways.show(self._share)  # as the property has it, so that the redo panel gives the same bits
         if context.area is not None:
             context.area.header_text_set(self._slider.text)
         return {"RUNNING_MODAL"}
@@ -202,7 +261,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             return step()
         except ObjectGone:
             return self._leave({"CANCELLED"})
-        except (Refusal, native.SolveError) as error:
+        except Refusal as error:
             self.report({"ERROR"}, str(error))
             return self._stop()
         except Exception as error:  # Blender would call again and again

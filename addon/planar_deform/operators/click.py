@@ -10,22 +10,24 @@ from mathutils import Vector
 from ..errors import Refusal
 from ..model.plane.frame import Array
 from ..model.plane.locate import MeshPoint
-from ..scene.lattice.posed import PosedObject, begin_posing
+from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.objects.cutout_object import pose_refusal
 from ..scene.objects.modifiers import of_lattice
-from ..scene.pins import pin_list
+from ..scene.pins.taking_part import taking_part, with_pins
 from ..scene.telling import said, say
 from ..scene.view import snapshot
 from ..scene.view.mouse import (
     hidden_refusal,
     nearest_within,
     on_ring,
+    pin_at,
     pin_under,
     ray,
     refuse_hidden,
     ring_about,
 )
+from .modal.pin_selection import select_only
 from .modal.session import PASSED_ON, is_dragged
 from .posing_operator import Refusing
 
@@ -55,29 +57,26 @@ class PLANAR_OT_click(bpy.types.Operator):
         mouse = (event.mouse_region_x, event.mouse_region_y)
         if self.add_joint:
             return {"FINISHED"} if add_joint_under(self, context, event) else {"CANCELLED"}
-        seen = snapshot.in_view(context)
-        if seen is not None:
-            # No gizmo has lit up where the event that ended a drag's settling comes right here.
-            pin = pin_under(region, view, seen.pins, mouse)
-            if pin is not None:
-                bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True, pin=pin)
+        shown = snapshot.pins_in_view(context)
+        # No gizmo has lit up where the event that ended a drag's settling comes right here.
+        pin = pin_under(region, view, shown, mouse)
+        if pin is not None:
+            bpy.ops.planar.drag_pins("INVOKE_DEFAULT", True, pin=pin.key, object=pin.owner)
+            return {"FINISHED"}
+        ring = ring_about(shown)
+        if ring is not None and on_ring(region, view, ring, mouse):
+            if self.add and ring.only is not None and ring.only.owner == context.object.name:
+                bpy.ops.planar.set_pin_radius("INVOKE_DEFAULT", True, release_confirm=True)
                 return {"FINISHED"}
-            ring = ring_about(context.object, seen.pins)
-            if ring is not None and on_ring(region, view, ring, mouse):
-                if self.add and ring.only is not None:
-                    bpy.ops.planar.set_pin_radius("INVOKE_DEFAULT", True, release_confirm=True)
-                    return {"FINISHED"}
-                if ring.turns:
-                    bpy.ops.planar.rotate_pins("INVOKE_DEFAULT", True, release_confirm=True)
-                    return {"FINISHED"}
+            if ring.turns:
+                bpy.ops.planar.rotate_pins("INVOKE_DEFAULT", True, release_confirm=True)
+                return {"FINISHED"}
         if self.add:
             return {"FINISHED"} if add_pin_under(self, context, event) else {"CANCELLED"}
         other = _object_under(context, *ray(region, view, mouse))
         if other is not None and other != context.object and not _belongs_to(other, context.object):
             return self._activate(context, other)
-        obj = context.object
-        shown = seen is not None and bool(seen.pins)
-        if shown and not self.extend and any(pin.select for pin in obj.planar.pins):
+        if not self.extend and any(pin.select for place in shown if (pin := pin_at(place)) is not None):
             bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="NONE")
         self._press = event.mouse_x, event.mouse_y
         context.window_manager.modal_handler_add(self)
@@ -104,14 +103,18 @@ class PLANAR_OT_click(bpy.types.Operator):
 
     def _missed(self, context: bpy.types.Context) -> str:
         """Why no pin has been dragged."""
-        if not pin_list.has_pins(context.object):
+        if not with_pins(context):
             return f"There is no pin under the mouse: {ADD}"
         seen = snapshot.in_view(context)
         reason = hidden_refusal(context) if seen is None else seen.refusal
         return reason or "There is no pin under the mouse: drag one, or press B to select by a box"
 
     def _activate(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
-        if not self.extend:
+        takes_part = obj in taking_part(context).objects
+        if not self.extend and takes_part:
+            for one in with_pins(context):
+                select_only(one, set())
+        elif not self.extend:
             for selected in context.selected_objects:
                 selected.select_set(False)
         obj.select_set(True)
@@ -121,12 +124,17 @@ class PLANAR_OT_click(bpy.types.Operator):
 
 
 def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, event: bpy.types.Event) -> bool:
-    """Add a pin under the mouse to the active object, in an undo step of its own; reports why it cannot."""
+    """Add a pin under the mouse, in an undo step of its own; reports why it cannot.
+
+    To the active object, and where that is not under the mouse, to the next selected one that is: it becomes
+    the active one.
+    """
     mouse = event.mouse_region_x, event.mouse_region_y
     try:
         refuse_hidden(context)
         drawing = begin_posing(context)
-        point = drawing.pick(*ray(context.region, context.region_data, mouse))
+        under = ray(context.region, context.region_data, mouse)
+        point = drawing.pick(*under)
         # Points of a lattice are everywhere before what it deforms: pins on that are what is wanted there.
         if isinstance(drawing, PosedLattice) and point is None:
             numbers, places = drawing.lattice_points
@@ -135,12 +143,30 @@ def add_pin_under(operator: bpy.types.Operator, context: bpy.types.Context, even
                 bpy.ops.planar.add_pin("EXEC_DEFAULT", True, lattice_point=int(numbers[nearest]))
                 return True
         if point is None:
-            raise Refusal(_missed(drawing))
+            drawing, point = _selected_under(context, *under)
     except Refusal as refusal:
         operator.report({"WARNING"}, str(refusal))
         return False
+    context.view_layer.objects.active = drawing.resolve()
     bpy.ops.planar.add_pin("EXEC_DEFAULT", True, location=_place_of(drawing, point))
     return True
+
+
+def _selected_under(
+    context: bpy.types.Context, start: Array, towards: Array
+) -> tuple[PosedObject, MeshPoint]:
+    """The first selected drawing beside the active one that a ray meets, and where. Raises Refusal."""
+    met = _object_under(context, start, towards)
+    others = [obj for obj in context.selected_objects if obj not in {context.object, met}]
+    if met is not None and met.select_get() and met != context.object:
+        others.insert(0, met)
+    for obj in others:
+        if posing_refusal(obj) is None and obj.visible_get():
+            drawing = begin_posing(context, obj)
+            point = drawing.pick(start, towards)
+            if point is not None:
+                return drawing, point
+    raise Refusal(_missed(begin_posing(context)))
 
 
 def add_joint_under(operator: bpy.types.Operator, context: bpy.types.Context, event: bpy.types.Event) -> bool:
@@ -191,18 +217,18 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        seen = None if context.region_data is None else snapshot.in_view(context)
-        if seen is None:
+        if context.region_data is None or not with_pins(context):
             return {"PASS_THROUGH"}
         mouse = event.mouse_region_x, event.mouse_region_y
-        pin = pin_under(context.region, context.region_data, seen.pins, mouse)
-        if pin is None:
+        place = pin_under(context.region, context.region_data, snapshot.pins_in_view(context), mouse)
+        pin = None if place is None else pin_at(place)
+        if place is None or pin is None:
             return self._of_drawing(context, mouse)
-        settings = context.object.planar
-        if not settings.pins[pin].select:
-            bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="SELECT", pin=pin)
+        context.view_layer.objects.active = pin.id_data
+        if not pin.select:
+            bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="SELECT", pin=place.key)
         else:
-            settings.active_pin = pin
+            pin.id_data.planar.active_pin = place.key
         bpy.ops.wm.call_menu(name=MENU)
         return {"FINISHED"}
 

@@ -11,6 +11,7 @@ from ..model.posing.depths import DEEPEST
 from ..scene.image import blended_materials
 from ..scene.objects.flat_object import make_current
 from ..scene.pins import pin_depths
+from ..scene.sequence import playback
 from .keying import auto_key
 from .modal import reports
 from .posing_operator import PosingOperator
@@ -48,7 +49,9 @@ class PLANAR_OT_set_depth(PosingOperator, bpy.types.Operator):
         obj = context.object
         chosen = [index for index, pin in enumerate(obj.planar.pins) if pin.select]
         pin_depths.give(obj, chosen, self.depth, relative=self.relative)
-        reports.inform(self, auto_key(context))
+        told: list[str] = []
+        playback.run(auto_key(context, obj, told.append))
+        reports.inform(self, ". ".join(told) or None)
 
 
 class PLANAR_OT_dither_materials(PosingOperator, bpy.types.Operator):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import binascii
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -22,14 +23,16 @@ from ..errors import Refusal
 from ..model.input.drag import Drag, Mode, Point
 from ..model.plane.axes import plane_axes
 from ..model.plane.frame import PlaneFrame
-from ..model.posing.posing import Posing, Sample, Solved, carried_path
+from ..model.posing.posing import Posing, Sample, carried_path
 from ..model.posing.spreading import ScalingSpread, Spreading, carried_growth
+from ..model.posing.together import SolvedTogether
 from ..scene.pins.pin_list import is_joint
+from ..scene.pins.taking_part import with_pins
 from ..scene.view.mouse import refuse_hidden, towards
 from .modal import reports, running
-from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
 from .modal.session import CONFIRM, PASSED_ON, Interactive, Session, is_dragged
+from .modal.several_posing import SeveralPosing, begin
 
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
@@ -59,6 +62,13 @@ def unpack_path(text: str) -> list[Sample]:
     return [(float(du), float(dv), float(angle)) for du, dv, angle in samples]
 
 
+class Recorded(NamedTuple):
+    """The way that the mouse took, and those that the drawings went along it, by their objects' names."""
+
+    path: list[Sample]
+    ways: dict[str, list[Sample]]
+
+
 class PinTransform(Interactive):
     """What moving, turning and spreading share. A subclass names its mode and keeps its result in properties.
 
@@ -76,6 +86,9 @@ class PinTransform(Interactive):
         min=-1,
         options=HIDDEN,
     )
+    object: StringProperty(
+        name="Object", description="Whose pin is pressed; empty: the active object's", options=HIDDEN
+    )
     extend: BoolProperty(
         name="Extend", description="Keep the other pins selected when one is pressed", options=HIDDEN
     )
@@ -91,25 +104,30 @@ class PinTransform(Interactive):
         options=HIDDEN,
     )
     path: StringProperty(name="Path", description=PATH, options=HIDDEN)
-    _recorded: Sequence[Sample] = ()  # the way the mouse took: Blender repeats the operator with all it has
+    _recorded: Recorded | None = None  # Blender repeats the operator with all it has
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
         try:
-            recorded = list(self._recorded) or unpack_path(self.path)
+            mouse = self._recorded
+            recorded = unpack_path(self.path) if mouse is None else mouse.path
             posing = self._begun(context)
             path = self.edited(recorded, posing.drawing.frame)
-            reports.inform(self, posing.run(path, settle=path != recorded))
+            same = path == recorded
+            again = mouse is not None and same and [*mouse.ways] == posing.names
+            ways = [*mouse.ways.values()] if mouse is not None and again else None
+            reports.inform(self, posing.run(path, settle=not same, ways=ways))
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         return {"FINISHED"}
 
-    def _begun(self, context: bpy.types.Context) -> ObjectPosing:
-        return ObjectPosing(
+    def _begun(self, context: bpy.types.Context) -> SeveralPosing:
+        return begin(
             context,
             self.pin,
             self.extend,
+            of=self.object,
             pivot=self.given_pivot(),
             facing=self.facing,
             model=self.posing_model(),
@@ -142,7 +160,7 @@ class PinTransform(Interactive):
         self.extend = pressed and event.shift
         self.facing = towards(context.region_data)
         try:
-            refuse_hidden(context)
+            refuse_hidden(context, bpy.data.objects.get(self.object))
             self._posing = self._begun(context)
             self._mouse = PlaneMouse(self._posing, context.region, context.region_data, event)
             self._press: Point | None = (event.mouse_x, event.mouse_y) if pressed else None
@@ -216,9 +234,10 @@ class PinTransform(Interactive):
             return self.stop()
         return self.release()
 
-    def keep_result(self, solved: Solved) -> None:
+    def keep_result(self, solved: SolvedTogether) -> None:
         assert self._drag is not None  # what it asked for has been solved
-        self._recorded = solved.path
+        ways = (one.path for one in solved.each)
+        self._recorded = Recorded(solved.path, dict(zip(self._posing.names, ways, strict=True)))
         self.set_end(self._drag, solved.path[-1])
 
 
@@ -246,7 +265,8 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """Names the pin under the mouse."""
-        pins = context.object.planar.pins if context.object is not None else ()
+        obj = bpy.data.objects.get(properties.object) or context.object
+        pins = obj.planar.pins if obj is not None else ()
         if 0 <= properties.pin < len(pins):
             pin = pins[properties.pin]
             use = "click to select it" if is_joint(pin) else "drag to move it"
@@ -306,7 +326,8 @@ class PLANAR_OT_rotate_pins(AboutPivot, bpy.types.Operator):
     )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if self.release_confirm and event.ctrl and sum(pin.select for pin in context.object.planar.pins) == 1:
+        chosen = [obj for obj in with_pins(context) for pin in obj.planar.pins if pin.select]
+        if self.release_confirm and event.ctrl and chosen == [context.object]:
             # The ring of one pin, which a gizmo gives to this operator whatever keys are held.
             bpy.ops.planar.set_pin_radius("INVOKE_DEFAULT", True, release_confirm=True)
             return {"CANCELLED"}

@@ -21,6 +21,7 @@ from ..scene.pins import pin_list
 from ..scene.storage.paths import absolute
 from .modal.long_job import Job, LongOperator
 from .modal.object_posing import ObjectPosing
+from .modal.several_posing import SeveralPosing
 from .posing_operator import PosingOperator
 from .settle import STILL
 
@@ -202,7 +203,7 @@ class PLANAR_OT_refresh_from_surface(Flattening, bpy.types.Operator):
         obj = bpy.context.object
         try:
             if refresh.posed and any(pin.enabled and not pin_list.is_joint(pin) for pin in obj.planar.pins):
-                ObjectPosing(bpy.context, settling=True).run([STILL], settle=True)
+                SeveralPosing([ObjectPosing(bpy.context, obj, None)]).run([STILL], settle=True)
             elif obj.planar.live_uv:
                 pushing.push(obj)
         except Exception:

@@ -12,6 +12,7 @@ from ..errors import Refusal
 from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.motion import bake_pins, follow_offset, make_controls, to_controls
 from ..scene.pins import controls, pin_list
+from ..scene.sequence import playback
 from .bake import BakeOperator
 from .keying import auto_key
 from .modal import reports
@@ -54,7 +55,9 @@ class PLANAR_OT_follow_now(PinPosingOperator, bpy.types.Operator):
 
     def apply(self, context: bpy.types.Context) -> None:
         _solve(context, begin_posing(context))
-        reports.inform(self, auto_key(context))
+        told: list[str] = []
+        playback.run(auto_key(context, context.object, told.append))
+        reports.inform(self, ". ".join(told) or None)
 
 
 class PLANAR_OT_set_follow_offset(FollowOperator, bpy.types.Operator):

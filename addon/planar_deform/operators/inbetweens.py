@@ -3,23 +3,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
+from .. import native
+from ..errors import Refusal, naming
+from ..model.plane.frame import Array
+from ..model.work import Progress, part_of
 from ..scene.inbetweens import planning, writing
-from ..scene.objects.any_object import begin_shape
+from ..scene.inbetweens.plan import Plan
+from ..scene.objects.any_object import AnyObject, begin_shape, shape_refusal
 from ..scene.objects.flat_object import make_current
 from ..scene.properties import PATHS
-from ..scene.sequence import stretches
+from ..scene.sequence import playback, stretches
+from ..scene.sequence.playback import Steps
 from .modal.long_job import Job, LongOperator
-from .posing_operator import ShapeOperator
+from .modal.reports import Tell
+from .posing_operator import ForAll, TogetherOperator, left_out_told
 
 ONCE = {"SKIP_SAVE"}  # what is not told is the object's own, not that of the last use
 
 
-class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
+class PLANAR_OT_generate_inbetweens(ForAll, LongOperator, bpy.types.Operator):
     bl_idname = "planar.generate_inbetweens"
     bl_label = "Generate In-Betweens"
     bl_description = (
@@ -38,35 +47,70 @@ class PLANAR_OT_generate_inbetweens(LongOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        return planning.refusal(context.object)
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
+        return planning.refusal(obj)
 
     def job(self, context: bpy.types.Context) -> Job:
-        settings = context.object.planar
-        if not self.properties.is_property_set("path"):
-            self.path = settings.anchor_path
-        if not self.properties.is_property_set("smooth"):
-            self.smooth = settings.smooth
-        drawing = begin_shape(context)
-        plan = planning.plan(drawing, path=self.path, smooth=self.smooth)
-        return Job(partial(writing.write, drawing, plan), plan.solve)
+        chosen = self.chosen(context)
+        told, ways = left_out_told(chosen), []
+        path = self.path if self.properties.is_property_set("path") else None
+        smooth = self.smooth if self.properties.is_property_set("smooth") else None
+        for obj in chosen.objects:
+            name = obj.name if len(chosen.objects) > 1 else None
+            with naming(name):
+                drawing = begin_shape(context, obj)
+                ways.append(_Way(name, drawing, planning.plan(drawing, path=path, smooth=smooth)))
+        self.path, self.smooth = ways[0].plan.path, ways[0].plan.smooth
+        return Job(
+            partial(_write, ways), partial(_solve, ways), (lambda _: ". ".join(told)) if told else None
+        )
 
 
-class PLANAR_OT_remove_inbetweens(ShapeOperator, bpy.types.Operator):
+@dataclass(frozen=True)
+class _Way:
+    """What is generated for one object."""
+
+    name: str | None  # for refusals; None: it is the only one
+    drawing: AnyObject
+    plan: Plan
+
+
+def _solve(ways: Sequence[_Way], progress: Progress) -> list[Sequence[Array]]:
+    """The shapes of each. Raises native.Cancelled and Refusal."""
+    shapes: list[Sequence[Array]] = []
+    for number, way in enumerate(ways):
+        try:
+            shapes.append(way.plan.solve(part_of(progress, number, len(ways))))
+        except native.SolveError as error:
+            with naming(way.name):
+                raise Refusal(str(error)) from error
+    return shapes
+
+
+def _write(ways: Sequence[_Way], shapes: Sequence[Sequence[Array]]) -> Steps:
+    """See Job."""
+    steps = [
+        playback.named(way.name, writing.write(way.drawing, way.plan, one))
+        for way, one in zip(ways, shapes, strict=True)
+    ]
+    return playback.together(steps)
+
+
+class PLANAR_OT_remove_inbetweens(TogetherOperator, bpy.types.Operator):
     bl_idname = "planar.remove_inbetweens"
     bl_label = "Remove In-Betweens"
     bl_description = "Take all generated shapes out: the poses and their timing are as before generating"
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        reason = super().refusal(context)
-        if reason is None and not stretches.has_inbetweens(context.object):
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
+        reason = shape_refusal(obj)
+        if obj is not None and reason is None and not stretches.has_inbetweens(obj):
             return "There are no in-betweens: use Generate In-Betweens first"
         return reason
 
-    def apply(self, context: bpy.types.Context) -> None:
-        make_current(context)
-        writing.remove(context.object)
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        make_current(context, obj)
+        return writing.removing(obj)
 
 
 CLASSES = (PLANAR_OT_generate_inbetweens, PLANAR_OT_remove_inbetweens)

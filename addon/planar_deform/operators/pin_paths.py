@@ -8,6 +8,8 @@ from bpy.props import IntProperty
 
 from ..errors import Refusal
 from ..scene.pins import pin_list
+from ..scene.pins.taking_part import TakingPart
+from ..scene.sequence.playback import Steps
 from ..scene.storage import pin_paths
 from .poses import OnePoseOperator
 
@@ -24,16 +26,21 @@ class PinPathOperator(OnePoseOperator):
     )
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        reason = super().refusal(context)
-        return reason or (None if pin_list.has_pins(context.object) else "No pins: add some first")
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
+        reason = super().refusal_of(context, obj)
+        return reason or (None if pin_list.has_pins(obj) else "No pins: add some first")
 
-    def act(self, context: bpy.types.Context, pose: int) -> None:
-        settings = context.object.planar
+    @classmethod
+    def chosen(cls, context: bpy.types.Context) -> TakingPart:
+        return TakingPart([context.object], {})
+
+    def act(self, context: bpy.types.Context, obj: bpy.types.Object, pose: int) -> Steps:
+        settings = obj.planar
         pin = settings.active_pin if self.pin < 0 else self.pin
         if not 0 <= pin < len(settings.pins):
             raise Refusal(f"There is no pin {pin}: the object has {len(settings.pins)}")
         self.change(settings.pins[pin], settings.poses[pose].name)
+        yield 1.0
 
     def change(self, pin: bpy.types.PropertyGroup, pose: str) -> None:
         """Do it, in a subclass. Raises Refusal, with nothing changed."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -14,9 +14,11 @@ from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.pin_properties import KINDS
 from ..scene.pins import followed_mesh, pin_list
+from ..scene.pins.taking_part import with_pins
 from ..scene.storage import migration
 from ..scene.view.mouse import hidden_refusal
 from .modal import running
+from .modal.pin_selection import select_only
 from .posing_operator import PinPosingOperator, Refusing
 
 # Farther than this share of the diagonal from the mesh, a place is not on it.
@@ -71,7 +73,8 @@ class PLANAR_OT_add_pin(PinOperator, bpy.types.Operator):
             pin_list.check_groups_of(drawing.vertices_held(drawing.cutout.triangles[point.triangle])[0])
             pin = pin_list.add_at(obj, drawing, point)
         if not self.extend:
-            select_only(obj, [])
+            for other in with_pins(bpy.context):
+                select_only(other, set())
         pin.select = True
 
 
@@ -94,7 +97,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
             for index in sorted(chosen):
                 pin_list.add_on_lattice_point(obj, index)
             pins = enumerate(obj.planar.pins)
-            select_only(obj, (key for key, pin in pins if pin.lattice_point in chosen))
+            select_only(obj, {key for key, pin in pins if pin.lattice_point in chosen})
             return
         selected = np.empty(len(obj.data.vertices), bool)
         obj.data.vertices.foreach_get("select", selected)
@@ -104,7 +107,7 @@ class PLANAR_OT_add_pins_from_selected(PinOperator, bpy.types.Operator):
         new = [on_faces] if self.kind == "PATCH" else [[vertex] for vertex in on_faces]
         for vertices in new:
             pin_list.add_on_vertices(obj, vertices, self.kind)
-        select_only(obj, range(first, len(obj.planar.pins)))
+        select_only(obj, set(range(first, len(obj.planar.pins))))
 
 
 class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
@@ -134,7 +137,7 @@ class PLANAR_OT_add_pin_from_group(PinOperator, bpy.types.Operator):
         if pin_list.is_pinned(obj, found[0]):
             raise Refusal(f"Vertex group '{found[0].name}' has a pin already: choose another group")
         pin_list.add_on_group(obj, found[0], self.kind)
-        select_only(obj, [len(obj.planar.pins) - 1])
+        select_only(obj, {len(obj.planar.pins) - 1})
 
 
 class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
@@ -157,7 +160,7 @@ class PLANAR_OT_add_pins_from_all_groups(PinOperator, bpy.types.Operator):
         first = len(obj.planar.pins)
         for group in new:
             pin_list.add_on_group(obj, group, self.kind)
-        select_only(obj, range(first, len(obj.planar.pins)))
+        select_only(obj, set(range(first, len(obj.planar.pins))))
 
 
 class NotHidden:
@@ -175,13 +178,18 @@ class NotHidden:
 
 
 class PinListOperator(NotHidden, Refusing):
-    """Works on the pin list alone, of a mesh that may not be fit for posing at the moment."""
+    """Works on the pin lists alone, of all that take part, though they may not be fit for posing now."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        return _list_refusal(context.object)
+        return None if _with_lists(context) else _list_refusal(context.object)
+
+    @staticmethod
+    def pins(context: bpy.types.Context) -> list[bpy.types.PropertyGroup]:
+        """All pins of the lists."""
+        return [pin for obj in _with_lists(context) for pin in obj.planar.pins]
 
 
 class PLANAR_OT_remove_pins(NotHidden, bpy.types.Operator):
@@ -194,16 +202,19 @@ class PLANAR_OT_remove_pins(NotHidden, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
-        obj = context.object
-        reason = _list_refusal(obj)
-        if reason is not None:
-            self.report({"WARNING"}, reason)
+        objects = _with_lists(context)
+        if not objects:
+            self.report({"WARNING"}, _list_refusal(context.object) or "No pins: add some first")
             return {"CANCELLED"}
-        selected = [index for index, pin in enumerate(obj.planar.pins) if pin.select]
-        if not selected:
+        selected = {
+            obj: [index for index, pin in enumerate(obj.planar.pins) if pin.select] for obj in objects
+        }
+        if not any(selected.values()):
             self.report({"WARNING"}, "No pins are selected: click one first")
             return {"CANCELLED"}
-        pin_list.remove(obj, selected)
+        for obj, pins in selected.items():
+            if pins:
+                pin_list.remove(obj, pins)
         return {"FINISHED"}
 
 
@@ -225,25 +236,29 @@ class PLANAR_OT_select_pins(PinListOperator, bpy.types.Operator):
         ),
     )
     pin: IntProperty(
-        name="Pin", description="Index of the one pin; the active one if negative", default=-1, min=-1
+        name="Pin",
+        description="Index of the one pin, of the active object; the active one if negative",
+        default=-1,
+        min=-1,
     )
     extend: BoolProperty(name="Extend", description="Keep the other pins as they are", default=False)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        settings = context.object.planar
-        every = range(len(settings.pins))
-        selected = {index for index in every if settings.pins[index].select}
         if self.action in {"ALL", "NONE", "INVERT"}:
-            wanted = {"ALL": set(every), "NONE": set(), "INVERT": set(every) - selected}[self.action]
-        else:
-            one = settings.active_pin if self.pin < 0 else self.pin
-            if one >= len(settings.pins):
-                self.report({"ERROR"}, f"There is no pin {one}: the object has {len(settings.pins)}")
-                return {"CANCELLED"}
-            on = self.action == "SELECT" or (self.action == "TOGGLE" and one not in selected)
-            wanted = (selected if self.extend else set()) - {one} | ({one} if on else set())
-            settings.active_pin = one
-        select_only(context.object, wanted)
+            for pin in self.pins(context):
+                pin.select = {"ALL": True, "NONE": False, "INVERT": not pin.select}[self.action]
+            return {"FINISHED"}
+        settings = context.object.planar
+        one = settings.active_pin if self.pin < 0 else self.pin
+        if one >= len(settings.pins):
+            self.report({"ERROR"}, f"There is no pin {one}: the object has {len(settings.pins)}")
+            return {"CANCELLED"}
+        on = self.action == "SELECT" or (self.action == "TOGGLE" and not settings.pins[one].select)
+        if not self.extend:
+            for pin in self.pins(context):
+                pin.select = False
+        settings.pins[one].select = on
+        settings.active_pin = one
         return {"FINISHED"}
 
 
@@ -255,7 +270,7 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
     kind: EnumProperty(name="Kind", description="How the pins hold the drawing", items=KINDS)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        pins = [pin for pin in context.object.planar.pins if pin.select and pin.lattice_point < 0]
+        pins = [pin for pin in self.pins(context) if pin.select and pin.lattice_point < 0]
         pins = [pin for pin in pins if not pin_list.is_joint(pin)]
         changed = [pin for pin in pins if pin.kind != self.kind]
         if not changed:
@@ -272,7 +287,7 @@ class PLANAR_OT_disable_pins(PinListOperator, bpy.types.Operator):
     bl_description = "Switch the selected pins off: they go where the drawing takes them"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        changed = [pin for pin in context.object.planar.pins if pin.select and pin.enabled]
+        changed = [pin for pin in self.pins(context) if pin.select and pin.enabled]
         if not changed:
             self.report({"WARNING"}, "No selected pin is on: click one first")
             return {"CANCELLED"}
@@ -287,7 +302,7 @@ class PLANAR_OT_enable_pins(PinListOperator, bpy.types.Operator):
     bl_description = "Switch all pins on that are off: they hold the drawing where it is"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        changed = [pin for pin in context.object.planar.pins if not pin.enabled]
+        changed = [pin for pin in self.pins(context) if not pin.enabled]
         if not changed:
             self.report({"INFO"}, "All pins are on")
             return {"CANCELLED"}
@@ -305,11 +320,9 @@ def _list_refusal(obj: bpy.types.Object | None) -> str | None:
     return None if fit else posing_refusal(obj)
 
 
-def select_only(obj: bpy.types.Object, wanted: Iterable[int]) -> None:
-    """These pins, by their indices, and no others."""
-    wanted = set(wanted)
-    for index, pin in enumerate(obj.planar.pins):
-        pin.select = index in wanted
+def _with_lists(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The objects whose pins can be changed."""
+    return [obj for obj in with_pins(context) if _list_refusal(obj) is None]
 
 
 CLASSES = (

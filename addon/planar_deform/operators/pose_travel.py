@@ -1,59 +1,54 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Poses on their way: to another object, to the other side, back to rest."""
+"""Poses on their way: to other objects, back to rest."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty
 
 from .. import native
 from ..errors import Refusal
 from ..model.plane.frame import Array
 from ..model.posing import solving
-from ..model.posing.depths import spread
-from ..model.posing.pin_mirror import PinMirror
 from ..model.posing.pin_reset import PinReset
 from ..model.posing.pins import Holder
-from ..model.posing.pose_copy import CopiedPose, copied, pasted
-from ..model.posing.posing import PinResult, result_of
-from ..model.posing.symmetry import NotSymmetricError, find_symmetry, partner_pins
-from ..scene.lattice.posed import PosedObject, begin_posing
+from ..model.posing.pose_copy import CopiedPose, copied, given, pasted
+from ..scene.lattice.posed import begin_posing, posing_refusal
 from ..scene.objects import modifiers
 from ..scene.objects.any_object import begin_shape
 from ..scene.objects.connectivity import shape_connectivity
-from ..scene.objects.cutout_object import CutoutObject
+from ..scene.objects.cutout_object import CutoutObject, pose_refusal
 from ..scene.objects.lattice_object import LatticeObject, in_space, lattice_refusal
 from ..scene.pins import joint_list, pin_list
-from .keying import auto_key
-from .modal import reports
-from .posing_operator import PinPosingOperator, PosingOperator
+from ..scene.sequence.playback import Steps
+from .modal.reports import Tell
+from .posing_operator import TogetherOperator
+from .showing import showing
 
-_clipboard: CopiedPose | None = None  # as long as Blender runs, whatever files are opened
+_clipboard: dict[str, CopiedPose] = {}  # by the objects' names; as long as Blender runs, whatever is opened
 
 
-class TravelOperator(PosingOperator):
-    """Works on the pose of a drawing or of a flat lattice."""
+class TravelOperator(TogetherOperator):
+    """Works on the poses of drawings and of flat lattices."""
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        obj = context.object
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
         if obj is None or obj.type != "LATTICE":
-            return super().refusal(context)
+            return pose_refusal(obj) or (None if obj is None else modifiers.covering(obj))
         if in_space(obj, polled=True):
             return _in_space(obj)
         return lattice_refusal(obj) or modifiers.covering(obj)
 
-    def begin(self, context: bpy.types.Context) -> CutoutObject | LatticeObject:
-        """What the pose is of. Raises Refusal."""
-        drawing = begin_shape(context)
-        if isinstance(drawing, LatticeObject) and not drawing.elements:
-            raise Refusal(_in_space(context.object))
-        assert isinstance(drawing, CutoutObject | LatticeObject)  # others are refused
-        return drawing
+
+def begin_travel(context: bpy.types.Context, obj: bpy.types.Object) -> CutoutObject | LatticeObject:
+    """What a pose is of. Raises Refusal."""
+    drawing = begin_shape(context, obj)
+    if isinstance(drawing, LatticeObject) and not drawing.elements:
+        raise Refusal(_in_space(obj))
+    assert isinstance(drawing, CutoutObject | LatticeObject)  # others are refused
+    return drawing
 
 
 def _in_space(lattice: bpy.types.Object) -> str:
@@ -69,106 +64,75 @@ class PLANAR_OT_copy_pose(TravelOperator, bpy.types.Operator):
     bl_description = "Copy the pose that is shown, to be pasted on this or an equally built drawing"
     bl_options = {"REGISTER"}
 
-    def apply(self, context: bpy.types.Context) -> None:
-        global _clipboard
-        drawing = self.begin(context)
+    def steps(
+        self, context: bpy.types.Context, objects: list[bpy.types.Object], told: list[str]
+    ) -> list[Steps]:
+        self._copies: dict[str, CopiedPose] = {}
+        return [*super().steps(context, objects, told), self._keep()]
+
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        drawing = begin_travel(context, obj)
         connectivity = shape_connectivity(drawing)
-        pose = copied(connectivity, drawing.rest, drawing.positions, _named(context.object, drawing))
-        _clipboard = replace(pose, depths=_depths(drawing))
+        pose = copied(connectivity, drawing.rest, drawing.positions, named_pins(obj, drawing))
+        self._copies[obj.name] = replace(pose, depths=depths_of(drawing))
+        yield 1.0
+
+    def _keep(self) -> Steps:
+        yield 1.0
+        _clipboard.clear()
+        _clipboard.update(self._copies)
 
 
 class PLANAR_OT_paste_pose(TravelOperator, bpy.types.Operator):
     bl_idname = "planar.paste_pose"
     bl_label = "Paste Pose"
-    bl_description = "Give the drawing the copied pose"
-
-    def apply(self, context: bpy.types.Context) -> None:
-        if _clipboard is None:
-            raise Refusal("No pose has been copied: use Copy Pose first")
-        obj, drawing = context.object, self.begin(context)
-        differs = shape_connectivity(drawing).difference(_clipboard.connectivity)
-        if differs is not None:
-            raise Refusal(f"The copied pose is of another {obj.type.lower()}: this one has {differs}")
-        pose = pasted(_clipboard, drawing.rest, _named(obj, drawing))
-        _show(self, context, drawing, *pose, depths=_clipboard.depths)
-
-
-class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
-    bl_idname = "planar.mirror_pose"
-    bl_label = "Mirror Pose"
     bl_description = (
-        "Turn the pose to the other side: vertex by vertex where the drawing is symmetric at rest, else by "
-        "its pins, paired by their names (Hand.L, Hand.R) or places"
+        "Give the drawings the copied poses, each the one of its name, or of one that is built alike"
     )
 
-    axis: EnumProperty(
-        name="Axis",
-        description="Which sides are swapped",
-        items=(
-            ("HORIZONTAL", "Left and Right", "Along the first axis of the drawing's plane"),
-            ("VERTICAL", "Top and Bottom", "Along the second axis of the drawing's plane"),
-        ),
-    )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        description="How far the rest shape may be from symmetric, relative to its size",
-        default=0.01,
-        min=1e-6,
-        max=1.0,
-        precision=4,
-    )
+    def steps(
+        self, context: bpy.types.Context, objects: list[bpy.types.Object], told: list[str]
+    ) -> list[Steps]:
+        if not _clipboard:
+            raise Refusal("No pose has been copied: use Copy Pose first")
+        self._drawings = {obj.name: begin_travel(context, obj) for obj in objects}
+        built = {name: shape_connectivity(drawing) for name, drawing in self._drawings.items()}
+        self._given = given(_clipboard, built)
+        for obj in objects:
+            if obj.name in self._given:
+                continue
+            source = obj.name if obj.name in _clipboard else next(iter(_clipboard))
+            differs = built[obj.name].difference(_clipboard[source].connectivity)
+            reason = f"The copied pose is of another {obj.type.lower()}: this one has {differs}"
+            if not self._given:
+                raise Refusal(reason)
+            told.append(f"'{obj.name}' is left out: {reason if differs else 'The poses went to others'}")
+        return super().steps(context, [obj for obj in objects if obj.name in self._given], told)
 
-    def apply(self, context: bpy.types.Context) -> None:
-        obj, drawing = context.object, self.begin(context)
-        rest, tolerance = drawing.rest, self.tolerance * drawing.diagonal
-        edges = shape_connectivity(drawing).edges()
-        try:
-            symmetry = find_symmetry(rest, edges, int(self.axis == "VERTICAL"), tolerance)
-        except NotSymmetricError as error:
-            if isinstance(drawing, LatticeObject):
-                raise Refusal(f"The lattice is not symmetric at rest, as it is sheared: {error}") from error
-            self._by_pins(context, drawing, str(error))
-            return
-        positions = symmetry.mirrored(drawing.positions)
-        holders = [holder for _, holder in _named(obj, drawing)]
-        results = []
-        for index, partner in partner_pins(holders, rest, symmetry, tolerance).items():
-            holder, other = holders[index], holders[partner].pin
-            if other.target is not None:
-                target = symmetry.reflected(other.target)
-                results.append(result_of(holder, positions, target, -other.angle, other.scale))
-        depths = _depths(drawing)
-        depths = None if depths is None else depths[symmetry.partners]
-        _show(self, context, drawing, positions, results, depths=depths)
-
-    def _by_pins(self, context: bpy.types.Context, drawing: CutoutObject, why: str) -> None:
-        solving.halt()
-        obj, cutout = context.object, drawing.cutout
-        pins = _named(obj, drawing)
-        if not any(holder.pin.enabled for _, holder in pins):
-            raise Refusal(
-                f"The rest shape is not symmetric: {why}. With pins that are on, it can be mirrored by these"
-            )
-        poser = joint_list.solver_of(obj, drawing)
-        posing = PinMirror(cutout, drawing.positions, pins, int(self.axis == "VERTICAL"), poser)
-        try:
-            posing.run()
-            depths = drawing.depths
-            depths = spread(cutout, [holder for _, holder in pins], posing.asked_depths(depths), depths)
-        except native.SolveError as error:
-            raise Refusal(str(error)) from error
-        _show(self, context, drawing, posing.positions, posing.results(), depths=depths)
-        self.report({"INFO"}, f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        drawing, pose = self._drawings[obj.name], _clipboard[self._given[obj.name]]
+        shown = pasted(pose, drawing.rest, named_pins(obj, drawing))
+        return showing(context, drawing, *shown, tell, depths=pose.depths)
 
 
-class PLANAR_OT_reset_selected_pins(PinPosingOperator, bpy.types.Operator):
+class PLANAR_OT_reset_selected_pins(TogetherOperator, bpy.types.Operator):
     bl_idname = "planar.reset_selected_pins"
     bl_label = "Reset Selected Pins"
     bl_description = "Take the selected pins back to where they are at rest; the drawing follows"
 
-    def apply(self, context: bpy.types.Context) -> None:
+    @classmethod
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
+        return posing_refusal(obj) or (None if obj is None else modifiers.covering(obj))
+
+    def steps(
+        self, context: bpy.types.Context, objects: list[bpy.types.Object], told: list[str]
+    ) -> list[Steps]:
+        chosen = [obj for obj in objects if any(pin.select for pin in obj.planar.pins)]
+        return super().steps(context, chosen or objects[:1], told)
+
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
         solving.halt()
-        obj, drawing = context.object, begin_posing(context)
+        drawing = begin_posing(context, obj)
         pin_list.sync(obj)
         usable = pin_list.model_pins(obj, drawing)
         moving = {pin.key for pin in usable if pin.enabled and obj.planar.pins[pin.key].select}
@@ -180,10 +144,10 @@ class PLANAR_OT_reset_selected_pins(PinPosingOperator, bpy.types.Operator):
             posing.run()
         except native.SolveError as error:
             raise Refusal(str(error)) from error
-        _show(self, context, drawing, posing.positions, posing.results())
+        return showing(context, drawing, posing.positions, posing.results(), tell)
 
 
-def _named(obj: bpy.types.Object, drawing: CutoutObject | LatticeObject) -> list[tuple[str, Holder]]:
+def named_pins(obj: bpy.types.Object, drawing: CutoutObject | LatticeObject) -> list[tuple[str, Holder]]:
     """The object's usable pins by name, bound to its cutout; those of a lattice hold what is shown then."""
     if isinstance(drawing, LatticeObject):
         return []
@@ -192,31 +156,9 @@ def _named(obj: bpy.types.Object, drawing: CutoutObject | LatticeObject) -> list
     return [(obj.planar.pins[pin.key].name, Holder(pin, drawing.cutout)) for pin in usable]
 
 
-def _depths(drawing: CutoutObject | LatticeObject) -> Array | None:
+def depths_of(drawing: CutoutObject | LatticeObject) -> Array | None:
+    """How far each point of a drawing is in front; a lattice has no such."""
     return None if isinstance(drawing, LatticeObject) else drawing.depths
 
 
-def _show(
-    operator: PosingOperator,
-    context: bpy.types.Context,
-    drawing: PosedObject | LatticeObject,
-    positions: Array,
-    results: Iterable[PinResult],
-    *,
-    depths: Array | None = None,
-) -> None:
-    if depths is not None and isinstance(drawing, CutoutObject):
-        drawing.write_with(positions, depths)
-    else:
-        drawing.write(positions)
-    if not isinstance(drawing, LatticeObject):
-        pin_list.store_results(context.object, drawing, results)
-    reports.inform(operator, auto_key(context))
-
-
-CLASSES = (
-    PLANAR_OT_copy_pose,
-    PLANAR_OT_paste_pose,
-    PLANAR_OT_mirror_pose,
-    PLANAR_OT_reset_selected_pins,
-)
+CLASSES = (PLANAR_OT_copy_pose, PLANAR_OT_paste_pose, PLANAR_OT_reset_selected_pins)

@@ -8,24 +8,27 @@ from bpy.props import FloatProperty, IntProperty
 
 from ..errors import Refusal
 from ..scene.objects import modifiers
-from ..scene.objects.any_object import begin_shape
+from ..scene.objects.any_object import begin_shape, shape_refusal
 from ..scene.objects.flat_object import make_current
 from ..scene.sequence import pose_edit, pose_list, pose_state
+from ..scene.sequence.playback import Steps
 from ..scene.view.mouse import hidden_refusal
 from .keying import key_shown
-from .modal import reports
-from .posing_operator import ShapeOperator
+from .modal.reports import Tell
+from .posing_operator import TogetherOperator
 
 
-class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
+class PLANAR_OT_key_pose(TogetherOperator, bpy.types.Operator):
     bl_idname = "planar.key_pose"
     bl_label = "Key Pose"
     bl_description = "Keep the pose that is shown as the pose of the current frame"
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        obj = context.object
-        return super().refusal(context) or modifiers.covering(obj) or pose_state.refusal(obj)
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
+        reason = shape_refusal(obj)
+        if obj is None or reason is not None:
+            return reason
+        return modifiers.covering(obj) or pose_state.refusal(obj)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         hidden = hidden_refusal(context)  # a script may key what nobody sees, hands may not
@@ -34,20 +37,21 @@ class PLANAR_OT_key_pose(ShapeOperator, bpy.types.Operator):
             return {"CANCELLED"}
         return self.execute(context)
 
-    def apply(self, context: bpy.types.Context) -> None:
-        reports.inform(self, key_shown(context))
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        return key_shown(context, obj, tell)
 
 
-class PoseListOperator(ShapeOperator):
-    """Works on the poses of an object that has some."""
+class PoseListOperator(TogetherOperator):
+    """Works on the poses of objects that have some."""
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        return super().refusal(context) or pose_state.absence(context.object)
+    def refusal_of(cls, context: bpy.types.Context, obj: bpy.types.Object | None) -> str | None:
+        reason = shape_refusal(obj)
+        return reason if obj is None or reason is not None else pose_state.absence(obj)
 
 
 class OnePoseOperator(PoseListOperator):
-    """Works on one pose."""
+    """Works on one pose of the active object, and on those of others that are first shown at its frame."""
 
     pose: IntProperty(
         name="Pose",
@@ -57,15 +61,29 @@ class OnePoseOperator(PoseListOperator):
         options={"SKIP_SAVE"},
     )
 
-    def apply(self, context: bpy.types.Context) -> None:
-        settings = context.object.planar
-        pose = settings.active_pose if self.pose < 0 else self.pose
-        if not 0 <= pose < len(settings.poses):
-            raise Refusal(f"There is no pose {pose}: the object has {len(settings.poses)}")
-        self.act(context, pose)
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return cls.refusal_of(context, context.object)
 
-    def act(self, context: bpy.types.Context, pose: int) -> None:
-        """Do it to the pose of this index, in a subclass. Raises Refusal, with nothing changed."""
+    def steps(
+        self, context: bpy.types.Context, objects: list[bpy.types.Object], told: list[str]
+    ) -> list[Steps]:
+        active = context.object
+        pose = active.planar.active_pose if self.pose < 0 else self.pose
+        if not 0 <= pose < len(active.planar.poses):
+            raise Refusal(f"There is no pose {pose}: the object has {len(active.planar.poses)}")
+        alike = pose_list.alike(active, pose, objects)
+        told += [
+            f"'{obj.name}' is left out: it has no pose there" for obj in objects if obj.name not in alike
+        ]
+        self._pose_of = alike
+        return super().steps(context, [obj for obj in objects if obj.name in alike], told)
+
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        return self.act(context, obj, self._pose_of[obj.name])
+
+    def act(self, context: bpy.types.Context, obj: bpy.types.Object, pose: int) -> Steps:
+        """What does it to the pose of this index, in a subclass. Raises Refusal, with nothing changed."""
         raise NotImplementedError
 
 
@@ -74,8 +92,8 @@ class PLANAR_OT_delete_pose(OnePoseOperator, bpy.types.Operator):
     bl_label = "Delete Pose"
     bl_description = "Take a pose and its keys away; with the last one, the object is as it was before them"
 
-    def act(self, context: bpy.types.Context, pose: int) -> None:
-        pose_edit.remove(context.object, pose)
+    def act(self, context: bpy.types.Context, obj: bpy.types.Object, pose: int) -> Steps:
+        return pose_edit.removing(obj, pose)
 
 
 class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
@@ -83,14 +101,15 @@ class PLANAR_OT_jump_to_pose(OnePoseOperator, bpy.types.Operator):
     bl_label = "Jump to Pose"
     bl_description = "Go to the frame of a pose"
 
-    def act(self, context: bpy.types.Context, pose: int) -> None:
-        obj = context.object
+    def act(self, context: bpy.types.Context, obj: bpy.types.Object, pose: int) -> Steps:
         frames = pose_state.frames_of(obj, pose)
         if not frames:
             raise Refusal(f"Pose '{obj.planar.poses[pose].name}' has no key on the curve: delete it")
+        yield 1.0
         pose_edit.activate(obj, pose)
         frame = int(frames[0] // 1)
-        context.scene.frame_set(frame, subframe=frames[0] - frame)
+        if context.scene.frame_current_final != frames[0]:
+            context.scene.frame_set(frame, subframe=frames[0] - frame)
 
 
 class PLANAR_OT_clear_poses(PoseListOperator, bpy.types.Operator):
@@ -98,8 +117,9 @@ class PLANAR_OT_clear_poses(PoseListOperator, bpy.types.Operator):
     bl_label = "Clear Poses"
     bl_description = "Take all poses away: the object is as it was before the first one was keyed"
 
-    def apply(self, context: bpy.types.Context) -> None:
-        pose_edit.clear(context.object)
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        yield 1.0
+        pose_edit.clear(obj)
 
 
 class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):
@@ -107,9 +127,9 @@ class PLANAR_OT_update_pose(OnePoseOperator, bpy.types.Operator):
     bl_label = "Update Pose"
     bl_description = "Replace a pose by what is shown"
 
-    def act(self, context: bpy.types.Context, pose: int) -> None:
-        drawing = begin_shape(context)
-        pose_list.give_shape(context.object, pose, drawing.coordinates(drawing.positions))
+    def act(self, context: bpy.types.Context, obj: bpy.types.Object, pose: int) -> Steps:
+        drawing = begin_shape(context, obj)
+        return pose_list.giving_shape(obj, pose, drawing.coordinates(drawing.positions))
 
 
 class PoseAtFrameOperator(OnePoseOperator):
@@ -132,8 +152,8 @@ class PLANAR_OT_duplicate_pose(PoseAtFrameOperator, bpy.types.Operator):
     bl_label = "Duplicate Pose"
     bl_description = "Key a pose once more at the current frame, as a pose of its own"
 
-    def act(self, context: bpy.types.Context, pose: int) -> None:
-        pose_list.duplicate(context.object, pose, self.frame)
+    def act(self, context: bpy.types.Context, obj: bpy.types.Object, pose: int) -> Steps:
+        return pose_list.duplicating(obj, pose, self.frame)
 
 
 class PLANAR_OT_retime_pose(PoseAtFrameOperator, bpy.types.Operator):
@@ -141,8 +161,8 @@ class PLANAR_OT_retime_pose(PoseAtFrameOperator, bpy.types.Operator):
     bl_label = "Move Pose to Frame"
     bl_description = "Show a pose at the current frame, and no longer where it was, also past other poses"
 
-    def act(self, context: bpy.types.Context, pose: int) -> None:
-        pose_list.retime(context.object, pose, self.frame)
+    def act(self, context: bpy.types.Context, obj: bpy.types.Object, pose: int) -> Steps:
+        return pose_list.retiming(obj, pose, self.frame)
 
 
 class PLANAR_OT_step_poses(PoseListOperator, bpy.types.Operator):
@@ -152,9 +172,9 @@ class PLANAR_OT_step_poses(PoseListOperator, bpy.types.Operator):
 
     step: IntProperty(name="Step", description="Frames for which each one stays", default=2, min=1, max=100)
 
-    def apply(self, context: bpy.types.Context) -> None:
-        make_current(context)
-        pose_list.set_step(context.object, self.step)
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        make_current(context, obj)
+        return pose_list.setting_step(obj, self.step)
 
 
 CLASSES = (

@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Generator, Sequence
+from functools import partial
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
@@ -13,8 +14,9 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from ..errors import Refusal
 from ..model.input.recording import Layer, Poses, Recording, smoothed
 from ..model.plane.frame import Array
-from ..model.posing.posing import Sample, Solved
-from ..scene.lattice.posed import begin_posing, posing_refusal
+from ..model.posing.posing import Sample
+from ..model.posing.together import SolvedTogether
+from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.objects import modifiers
 from ..scene.objects.any_object import keying
 from ..scene.objects.lattice_object import in_space
@@ -25,9 +27,9 @@ from ..scene.view.mouse import pin_under, regions
 from .drag import HIDDEN, PATH, unpack_path
 from .modal import reports, running
 from .modal.long_job import SLICE
-from .modal.object_posing import ObjectPosing
 from .modal.plane_mouse import PlaneMouse
 from .modal.session import PASSED_ON, Interactive, Session, put_away, put_up
+from .modal.several_posing import SeveralPosing, begin
 from .posing_operator import Refusing
 
 WAITING = "Drag a Pin, or Anywhere for the Selected Pins: Record   Esc or RMB: Cancel"
@@ -53,7 +55,7 @@ class _Waiting:
 class _Take(Session):
     """A recording under way."""
 
-    def __init__(self, context: bpy.types.Context, posing: ObjectPosing):
+    def __init__(self, context: bpy.types.Context, posing: SeveralPosing):
         super().__init__(context, posing, RECORDING)
         self.frame = context.scene.frame_current  # of its first pose
         self.concluded = False
@@ -102,6 +104,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
     pin: IntProperty(default=-1, min=-1, options=HIDDEN)  # as in planar.drag_pins
+    object: StringProperty(options=HIDDEN)
     extend: BoolProperty(options=HIDDEN)
     path: StringProperty(name="Path", description=f"{PATH}; a sample for each frame", options=HIDDEN)
     frame: IntProperty(
@@ -123,12 +126,10 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             self.frame = context.scene.frame_current
         before = context.scene.frame_current
         try:
-            _refuse_space(context)
             poses = self._poses_of(list(self._recorded) or unpack_path(self.path))
-            posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
+            posing = self._begun(context)
             try:
-                layer = self._layer(context, posing)
-                if layer is not None:
+                for layer in self._layers(context, posing):
                     layer.follow(poses)
                 posing.solve(poses.samples, poses.seen)
                 playback.run(self._keep(context, posing, poses))
@@ -149,7 +150,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if isinstance(run, _Waiting | _Take):
             run.conclude()
             return {"CANCELLED"}
-        self._poses: Poses | None = None
+        self._poses: Poses[SolvedTogether] | None = None
         self._waiting: _Waiting | None = _Waiting()
         running.start(self._waiting)
         put_up(context, WAITING)
@@ -191,12 +192,11 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
 
     def _start(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
         region, view = regions(context.area)[self._region]
-        _refuse_space(context)
-        seen = snapshot.in_view(context)
         mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
-        pin = pin_under(region, view, seen.pins, mouse) if seen is not None else None
-        self.pin, self.extend = -1 if pin is None else pin, event.shift
-        posing = ObjectPosing(context, self.pin, self.extend, unkeyed=True)
+        pin = pin_under(region, view, snapshot.pins_in_view(context), mouse)
+        self.pin, self.object = (-1, "") if pin is None else (pin.key, pin.owner)
+        self.extend = event.shift
+        posing = self._begun(context)
         try:
             self._mouse = PlaneMouse(posing, region, view, event)
             self._drag = self._mouse.begin("MOVE")
@@ -208,7 +208,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         self._session = _Take(context, posing)
         self._waiting = None
         self.frame = self._session.frame
-        self._played = self._layer(context, posing)
+        self._played = self._layers(context, posing)
         self._recording = Recording(_frames_left(context.scene), loop=context.object.planar.record_loop)
         self._fps: float = context.scene.render.fps / context.scene.render.fps_base
         self._began = time.perf_counter()
@@ -252,10 +252,10 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         if frame != context.scene.frame_current:
             self._recording.add(self._elapsed(), self._drag.sample)
             context.scene.frame_set(frame)
-            if self._played is not None:
-                self._played.show(passed)
-                if not self._session.untouched:
-                    self._session.ask(self._drag.sample)
+            for layer in self._played:
+                layer.show(passed)
+            if self._played and not self._session.untouched:
+                self._session.ask(self._drag.sample)
             self._session.show(again=True)  # the new frame may have brought a keyed pose
             if context.area is not None:
                 context.area.header_text_set(f"Recording: Frame {frame}")
@@ -269,12 +269,14 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
             return self.stop()
         self._recorded = self._recording.by_frame(elapsed)
         self._poses = poses = self._poses_of(self._recorded)
-        if self._played is not None:
-            self._played.follow(poses)
+        for layer in self._played:
+            layer.follow(poses)
         self._session.retrace(poses.samples, poses.seen)
         return {"RUNNING_MODAL"}
 
-    def _solve(self, context: bpy.types.Context, event: bpy.types.Event, poses: Poses) -> set[str]:
+    def _solve(
+        self, context: bpy.types.Context, event: bpy.types.Event, poses: Poses[SolvedTogether]
+    ) -> set[str]:
         """While the poses are solved."""
         if event.type == "TIMER":
             if poses.share == 1.0:
@@ -301,42 +303,57 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
                 context.area.header_text_set(f"Keying the Poses: {share:.0%}   Esc: Discard")
         return {"PASS_THROUGH"} if event.type.startswith(PASSED_ON) else {"RUNNING_MODAL"}
 
-    def _poses_of(self, path: list[Sample]) -> Poses:
+    def _poses_of(self, path: list[Sample]) -> Poses[SolvedTogether]:
         if not path:
             raise Refusal("There is no recorded path: start Record over the drawing and drag a pin")
         return Poses(smoothed(path, self.smoothing), self.frame_step)
 
-    def _layer(self, context: bpy.types.Context, posing: ObjectPosing) -> Layer | None:
-        """How the pins that are not dragged move, which the posing is told; None where they stay."""
-        obj = context.object
+    def _begun(self, context: bpy.types.Context) -> SeveralPosing:
+        posing = begin(context, self.pin, self.extend, of=self.object, unkeyed=True)
+        for one in posing.posings:
+            obj = one.drawing.resolve()
+            reason = pose_state.refusal(obj) or _space_refusal(obj)
+            if reason is not None:
+                posing.cancel()
+                raise Refusal(reason)
+        return posing
+
+    def _layers(self, context: bpy.types.Context, posing: SeveralPosing) -> list[Layer]:
+        """How the pins that are not dragged move, which the posings are told; none where they stay."""
         if not self.properties.is_property_set("overwrite"):
-            self.overwrite = obj.planar.record_overwrite
-        if self.overwrite or not pose_state.is_ours(obj):
-            return None
+            self.overwrite = context.object.planar.record_overwrite
+        layers = []
+        for one, model in zip(posing.posings, posing.model.posings, strict=True):
+            if not self.overwrite and pose_state.is_ours(one.drawing.resolve()):
+                model.played = layer = Layer(partial(self._shape_of, one.drawing))
+                layer.show(0)
+                layers.append(layer)
+        return layers
 
-        def shape_of(frame: int) -> Array:
-            drawing = posing.drawing
-            if frame == 0:
-                return drawing.positions
-            return drawing.flattened(pose_state.shape_at(drawing.resolve(), self.frame + frame))
-
-        layer = Layer(shape_of)
-        layer.show(0)
-        posing.model.played = layer
-        return layer
+    def _shape_of(self, drawing: PosedObject, frame: int) -> Array:
+        """That of a frame from the first one of the recording."""
+        if frame == 0:
+            return drawing.positions
+        return drawing.flattened(pose_state.shape_at(drawing.resolve(), self.frame + frame))
 
     def _keep(
-        self, context: bpy.types.Context, posing: ObjectPosing, poses: Poses
+        self, context: bpy.types.Context, posing: SeveralPosing, poses: Poses[SolvedTogether]
     ) -> Generator[float, None, None]:
         """Key the poses, step by step; the last one is shown, and the pins hold it."""
-        drawing = posing.drawing
-        drawing.restore()
+        drawings = [one.drawing for one in posing.posings]
+        for drawing in drawings:
+            drawing.restore()
         context.scene.frame_set(self.frame + max(poses.by_frame))
-        by_frame = {self.frame + frame: pose for frame, pose in poses.by_frame.items()}
-        yield from keying(drawing, by_frame, throughout=True)
+        steps = []
+        for number, drawing in enumerate(drawings):
+            by_frame = {self.frame + frame: pose[number] for frame, pose in poses.by_frame.items()}
+            steps.append(keying(drawing, by_frame, throughout=True))
+        yield from playback.together(steps)
         solved = poses.last
         assert solved is not None  # all of them are solved
-        pin_list.store_results(context.object, begin_posing(context), solved.results)
+        for name, one in zip(posing.names, solved.each, strict=True):
+            obj = bpy.data.objects[name]
+            pin_list.store_results(obj, begin_posing(context, obj), one.results)
 
     def cancel(self, context: bpy.types.Context) -> None:
         if self._waiting is None:
@@ -344,7 +361,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         elif running.now() is self._waiting:
             running.end()
 
-    def keep_result(self, solved: Solved) -> None:
+    def keep_result(self, solved: SolvedTogether) -> None:
         pass  # the path is kept when it has been recorded
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -359,13 +376,6 @@ def _space_refusal(obj: bpy.types.Object, *, polled: bool = False) -> str | None
     if not in_space(obj, polled=polled):
         return None
     return f"'{obj.name}' is a lattice in space, and motion is recorded in a plane: key poses instead"
-
-
-def _refuse_space(context: bpy.types.Context) -> None:
-    """Raises Refusal where the active object is a lattice in space."""
-    reason = _space_refusal(context.object)
-    if reason is not None:
-        raise Refusal(reason)
 
 
 def _frames_left(scene: bpy.types.Scene) -> int | None:

@@ -6,10 +6,11 @@ from __future__ import annotations
 import bpy
 
 from ..errors import Refusal
-from ..model.posing.posing import Sample, Solved
+from ..model.posing.posing import Sample
+from ..model.posing.together import SolvedTogether
 from .modal import running
-from .modal.object_posing import ObjectPosing
 from .modal.session import Interactive, Session
+from .modal.several_posing import begin_settling
 from .posing_operator import PinPosingOperator
 
 STILL: Sample = (0.0, 0.0, 0.0)
@@ -23,12 +24,12 @@ class PLANAR_OT_settle_pose(Interactive, PinPosingOperator, bpy.types.Operator):
     )
 
     def apply(self, context: bpy.types.Context) -> None:
-        ObjectPosing(context, settling=True).run([STILL], settle=True)
+        begin_settling(context).run([STILL], settle=True)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         running.end()
         try:
-            posing = ObjectPosing(context, settling=True)
+            posing = begin_settling(context)
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
@@ -39,7 +40,7 @@ class PLANAR_OT_settle_pose(Interactive, PinPosingOperator, bpy.types.Operator):
             context.window_manager.modal_handler_add(self)
         return result
 
-    def keep_result(self, solved: Solved) -> None:
+    def keep_result(self, solved: SolvedTogether) -> None:
         pass  # there is nothing to edit and nothing to repeat
 
 

@@ -25,7 +25,8 @@ from .flatten import pushing
 from .motion import live
 from .objects.any_object import shape_refusal
 from .pin_properties import NOT_ANIMATED, PlanarPin, is_mesh
-from .sequence import pose_list, pose_state
+from .pins.taking_part import taking_part
+from .sequence import playback, pose_list, pose_state
 from .sequence.pose_blocks import FIRST
 from .storage import cage, migration
 from .telling import tell
@@ -48,12 +49,20 @@ def _frame_of(pose: PlanarPose) -> float:
 
 def _retime(pose: PlanarPose, frame: float) -> None:
     obj = pose.id_data
+    objects = taking_part(bpy.context).objects if obj == bpy.context.object else [obj]
     try:
         reason = shape_refusal(obj) or pose_state.absence(obj)
         if reason is not None:
             raise Refusal(reason)
         index = next(index for index, other in enumerate(obj.planar.poses) if other.at == pose.at)
-        pose_list.retime(obj, index, frame)
+        found = pose_list.alike(obj, index, [one for one in objects if shape_refusal(one) is None])
+        steps = [
+            playback.named(
+                name if len(found) > 1 else None, pose_list.retiming(bpy.data.objects[name], its, frame)
+            )
+            for name, its in found.items()
+        ]
+        playback.run(playback.together(steps))
     except Refusal as refusal:
         tell(str(refusal), title="Pose Not Moved")
 
@@ -70,7 +79,10 @@ class PlanarPose(bpy.types.PropertyGroup):
     at: FloatProperty(options={"HIDDEN"})  # the eval_time of its shape key on the curve, see scene/sequence/
     frame: FloatProperty(
         name="Frame",
-        description="Frame at which the pose is shown: the first of its keys on the curve",
+        description=(
+            "Frame at which the pose is shown: the first of its keys on the curve. A change takes along the "
+            "poses of all that are selected with it"
+        ),
         get=_frame_of,
         set=_retime,
         options=NOT_ANIMATED,

@@ -25,14 +25,14 @@ def test_live_the_map_is_pushed_when_it_is_turned_on_and_follows_pins():
 
 def test_a_drag_taken_back_gives_the_map_back_to_the_bit():
     from planar_deform.model.posing.posing import Posing
-    from planar_deform.operators.modal.object_posing import ObjectPosing
+    from planar_deform.operators.modal.several_posing import begin
 
     obj = tube()
     flat = live(obj)
     layer = obj.data.uv_layers.active
     layer.uv[7].vector = (0.123, 0.456)  # edited by hand meanwhile
     before = all_of(obj, flat)
-    posing = ObjectPosing(bpy.context, 1, model=Posing)
+    posing = begin(bpy.context, 1, model=Posing)
     posing.solve([(0.4, 0.3, 0.0)], posing.show)
     assert all_of(obj, flat) != before
     assert linked(obj, flat)

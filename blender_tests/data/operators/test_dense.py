@@ -58,9 +58,9 @@ def made(monkeypatch):
 
 
 def begun():
-    from planar_deform.operators.modal.object_posing import ObjectPosing
+    from planar_deform.operators.modal.several_posing import begin
 
-    return ObjectPosing(bpy.context, 3)
+    return begin(bpy.context, 3)
 
 
 def shown():
@@ -304,7 +304,7 @@ def test_a_script_a_thread_and_a_new_solver_give_the_same_bits(dense):
     path = [(0.05 * step, 0.1 * step, 0.02 * step) for step in range(1, 7)]
     posing = begun()
     posing.solve(path)
-    by_script = posing.model.positions
+    by_script = posing.model.solved().positions
     posing.click()
     for clear in (False, True):
         if clear:

@@ -255,15 +255,14 @@ def test_an_offset_along_global_axes_is_the_worlds(tilt):
 @pytest.mark.parametrize("orientation", ["GLOBAL", "LOCAL"])
 def test_a_recorded_path_that_ends_at_its_offset_is_repeated_to_the_bit(orientation):
     from planar_deform.model.plane.axes import plane_axes
-    from planar_deform.operators.modal.object_posing import ObjectPosing
-    from planar_deform.scene.objects.cutout_object import begin
+    from planar_deform.operators.modal.several_posing import begin
 
     path = circle(0.4, 0.7)
     obj = imported(0.6)
-    ObjectPosing(bpy.context).run(np.float32(path).astype(float).tolist(), settle=False)
+    begin(bpy.context).run(np.float32(path).astype(float).tolist(), settle=False)
     recorded = coordinates(obj.data.vertices)
     obj = imported(0.6)
-    axes = plane_axes(begin(bpy.context).frame, orientation)
+    axes = plane_axes(begin(bpy.context).drawing.frame, orientation)
     drag(
         offset=axes.values(np.float32(path[-1, :2]).astype(float)), path=packed(path), orientation=orientation
     )

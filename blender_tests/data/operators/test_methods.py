@@ -7,7 +7,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from support import PLANES, add_end_pins, add_pins, bar, coordinates, evaluated, measured
+from support import PLANES, activate, add_end_pins, add_pins, bar, coordinates, evaluated, measured
 
 import planar_native
 
@@ -59,10 +59,10 @@ def test_arap_is_its_two_steps():
 def test_arap_depends_on_the_pins_and_not_on_their_way():
     by_way, at_once = bar_by("ARAP"), bar_by("ARAP")
     ways = [(0.8 * t, math.sin(5 * t), 2.0 * t) for t in np.linspace(0.1, 1.0, 10)]
-    bpy.context.view_layer.objects.active = by_way
+    activate(by_way)
     ways.append((-0.5, 0.75, 0.0))
     assert bpy.ops.planar.drag_pins(offset=(-0.5, 0.75), path=path(ways)) == {"FINISHED"}
-    bpy.context.view_layer.objects.active = at_once
+    activate(at_once)
     assert bpy.ops.planar.drag_pins(offset=(-0.5, 0.75)) == {"FINISHED"}
     assert coordinates(by_way.data.vertices) == pytest.approx(coordinates(at_once.data.vertices), abs=1e-5)
 

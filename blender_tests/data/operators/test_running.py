@@ -41,11 +41,11 @@ def scene():
 
 
 def drag(kind=None, *, settling=False):
-    from planar_deform.operators.modal.object_posing import ObjectPosing
     from planar_deform.operators.modal.session import Session
+    from planar_deform.operators.modal.several_posing import begin, begin_settling
 
     context = bpy.context
-    posing = ObjectPosing(context, settling=settling, unkeyed=kind is not None)
+    posing = begin_settling(context) if settling else begin(context, unkeyed=kind is not None)
     session = Session(context, posing, "Keys") if kind is None else kind(context, posing)
     session.ask(STILL if settling else FAR)
     until = time.monotonic() + 20.0
@@ -86,11 +86,10 @@ def take():
 
 
 def sliding():
-    from planar_deform.operators.breakdown import _Sliding
+    from planar_deform.operators.breakdown import Ways, _Sliding
     from planar_deform.operators.modal import running
-    from planar_deform.scene.inbetweens.breakdown import Way
 
-    way = Way(bpy.context)
+    way = Ways(bpy.context, [bpy.context.object])
     run = _Sliding(way)
     running.start(run)
     assert run.work.wait(60.0)
@@ -282,8 +281,8 @@ class Hands:
 @pytest.mark.parametrize("start", [drag, take, released_drag])
 def test_an_error_on_the_way_ends_it_once_with_everything_as_it_was(start, capfd, monkeypatch):
     from planar_deform.operators.modal import running
-    from planar_deform.operators.modal.object_posing import ObjectPosing
     from planar_deform.operators.modal.session import Interactive
+    from planar_deform.operators.modal.several_posing import SeveralPosing
 
     def fail(*_):
         raise ZeroDivisionError("by zero")
@@ -292,7 +291,7 @@ def test_an_error_on_the_way_ends_it_once_with_everything_as_it_was(start, capfd
     before = held(obj)
     operator = type("Broken", (Hands, Interactive), {})(start())
     assert held(obj) != before
-    monkeypatch.setattr(ObjectPosing, "finish", fail)
+    monkeypatch.setattr(SeveralPosing, "finish", fail)
     event = type("Event", (), {"type": "RET", "value": "PRESS"})()
     assert operator.modal(bpy.context, event) == {"CANCELLED"}
     assert held(obj) == before

@@ -8,11 +8,12 @@ frame, and is solved again once it is known, which also is what smoothing needs.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
 from ..plane.frame import Array
-from ..posing.posing import Sample, Solved
+from ..posing.posing import Sample
 
 # Refinements of each pose that is kept. A frame's move is short, so that few are needed.
 REFINEMENTS = 3
@@ -77,7 +78,7 @@ class Layer:
         self._read(frame)
         self._now = frame
 
-    def follow(self, poses: Poses) -> None:
+    def follow(self, poses: Poses[Any]) -> None:
         """The samples to come are those of these poses."""
         for frame in sorted(set(poses.frames)):
             self._read(frame)
@@ -109,14 +110,27 @@ def smoothed(path: list[Sample], frames: float) -> list[Sample]:
     return _rows(np.stack(columns, axis=1))
 
 
-class Poses:
+class AlongPath(Protocol):
+    """What a posing, or several together, has come to."""
+
+    @property
+    def path(self) -> list[Sample]: ...
+
+    @property
+    def positions(self) -> Array | list[Array]: ...
+
+
+SolvedT = TypeVar("SolvedT", bound=AlongPath)
+
+
+class Poses(Generic[SolvedT]):
     """The poses that are kept of a path with a sample for each frame: the last, and every `frame_step`th."""
 
     def __init__(self, path: list[Sample], frame_step: int):
         self.samples: list[Sample] = []  # to be solved; those of kept poses are repeated, to refine them
         self.frames: list[int] = []  # of each sample
-        self.by_frame: dict[int, Array] = {}  # n x 2 positions, filled in by `seen`
-        self.last: Solved | None = None
+        self.by_frame: dict[int, Any] = {}  # the positions, filled in by `seen`
+        self.last: SolvedT | None = None
         self._ends: dict[int, int] = {}  # a number of samples -> the frame whose pose they lead to
         for frame, sample in enumerate(path):
             self.samples.append(sample)
@@ -125,7 +139,7 @@ class Poses:
                 self._ends[len(self.samples)] = frame
             self.frames += [frame] * (len(self.samples) - len(self.frames))
 
-    def seen(self, solved: Solved) -> None:
+    def seen(self, solved: SolvedT) -> None:
         """All that is solved of the samples goes through here, in order; from whatever thread."""
         frame = self._ends.get(len(solved.path))
         if frame is not None:

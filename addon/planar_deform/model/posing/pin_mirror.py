@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,25 +13,16 @@ from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..plane.locate import nearest_point
 from .depths import depth_of
-from .pins import Holder, Kind, Pin, rotation
-from .posing import RAMP_SAMPLES, PinResult, Posing, Sample, result_of, start_scale_of
+from .pins import Holder, Kind, Pin
+from .pins_led import Led, PinsLed
+from .posing import start_of, start_scale_of
 from .side_names import flipped
 from .symmetry import Symmetry, nearest
 
 NEAR = 0.05  # of the diagonal: how far a pin, or the drawing, may be from where its partner is expected
 
 
-@dataclass(frozen=True)
-class _Handle:
-    """A pin, or a place of the drawing where there is none, and where the mirrored pose has it."""
-
-    pin: Pin
-    target: Array  # (2,)
-    angle: float
-    scale: float
-
-
-class PinMirror(Posing):
+class PinMirror(PinsLed):
     """Takes each pin from rest to where its partner on the other side was, seen in the mirror.
 
     Partners are pins whose names tell so, as Hand.L and Hand.R, else those that rest in each other's mirror
@@ -57,35 +47,11 @@ class PinMirror(Posing):
         partners = self._partners
         count = sum(index < partner for index, partner in partners.items())
         self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
-        self._handles: dict[int, _Handle] = {}
+        self._found: dict[int, Led] = {}
         for index, holder in enumerate(self._pins):
             if holder.pin.enabled:
                 self._hold(cutout, positions, index, partners)
-        if not self._handles:
-            raise ValueError("pins: none is enabled")
-        used = [handle.pin for handle in self._handles.values()]
-        moving = np.isin(cutout.parts, [cutout.parts[pin.vertices[0]] for pin in used])
-        start = np.where(moving[:, None], self._nearly(cutout), positions)
-        super().__init__(cutout, start, used, self._handles, partial(make_poser, start))
-
-    def run(self) -> None:
-        """All the way, and until there is nothing left to do."""
-        for step in range(1, RAMP_SAMPLES + 1):
-            self.move(step / RAMP_SAMPLES, 0.0, 0.0)
-        self.settle()
-
-    def results(self) -> list[PinResult]:
-        """Of the pins that are on: those that nothing was asked of hold what there is."""
-        results = []
-        for holder in self._pins:
-            if holder.pin.enabled:
-                place = holder.place(self.positions)
-                handle = self._handles.get(holder.pin.key)
-                target = place if handle is None else handle.target
-                angle = holder.fitted_angle(self.positions) if handle is None else handle.angle
-                scale = holder.held_scale(self.positions) if handle is None else handle.scale
-                results.append(result_of(holder, self.positions, target, angle, scale))
-        return results
+        super().__init__(cutout, positions, self._pins, self._found, make_poser)
 
     def asked_depths(self, depths: Array) -> dict[int, float]:
         """What depths pins have in the mirror, by their keys, where the drawing has n depths."""
@@ -94,20 +60,10 @@ class PinMirror(Posing):
             for index, partner in self._partners.items()
         }
 
-    def _aim(self, holder: Holder, start: tuple[Array, float], sample: Sample) -> tuple[Array, float]:
-        handle = self._handles[holder.pin.key]
-        place, turned = start
-        share = sample[0]
-        return place + share * (handle.target - place), turned + share * (handle.angle - turned)
-
-    def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
-        return begun + sample[0] * (self._handles[holder.pin.key].scale - begun)
-
     def _hold(self, cutout: Cutout, positions: Array, index: int, partners: dict[int, int]) -> None:
         """What a pin does, done by its partner."""
         holder = self._pins[index]
-        place = holder.pin.target if holder.pin.target is not None else holder.place(positions)
-        angle = holder.pin.angle if holder.pin.target is not None else holder.fitted_angle(positions)
+        place, angle = start_of(holder, positions)
         mirrored = self._symmetry.reflected(place) - self._symmetry.reflected(self._places[index])
         partner = partners.get(index)
         if partner is not None:
@@ -117,17 +73,7 @@ class PinMirror(Posing):
             pin, rest = (holder.pin, self._places[index]) if found is None else found
         pin = replace(pin, enabled=True, target=None, angle=0.0, scale=1.0)
         scale = start_scale_of(holder, positions)
-        self._handles[pin.key] = _Handle(pin, rest + mirrored, -angle, scale)
-
-    def _nearly(self, cutout: Cutout) -> Array:
-        """The rest shape as one piece where the handles are to be: the way from there is short."""
-        handles = self._handles.values()
-        rest = np.array([Holder(handle.pin, cutout).place(cutout.rest) for handle in handles])
-        targets = np.array([handle.target for handle in handles])
-        arms, goals = ((places - places.mean(axis=0)) @ [1.0, 1j] for places in (rest, targets))
-        turn = float(np.angle((np.conj(arms) * goals).sum()))
-        placed: Array = targets.mean(axis=0) + (cutout.rest - rest.mean(axis=0)) @ rotation(turn).T
-        return placed
+        self._found[pin.key] = Led(pin, rest + mirrored, -angle, scale)
 
     def _opposite(self, cutout: Cutout, index: int) -> tuple[Pin, Array] | None:
         """The drawing where the mirror image of a pin rests, as a pin; None where there is none."""

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,8 @@ from ..plane.connectivity import Connectivity
 from ..plane.frame import Array
 from .pins import Holder, Kind
 from .posing import PinResult, result_of
+
+_NUMBER = re.compile(r"\.\d{3,}$")
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,35 @@ class CopiedPose:
     offsets: Array  # n x 2
     pins: dict[str, CopiedPin]  # by name: those that had a target
     depths: Array | None = None  # n, see depths.py; a lattice has none
+
+
+def given(copied: Mapping[str, CopiedPose], drawings: Mapping[str, Connectivity]) -> dict[str, str]:
+    """Which of copied poses goes to which drawings, by their names: to those that are built alike.
+
+    A single pose goes to all of them. Of several, each goes to one: to that of its own name, else to that of
+    its name but for the number behind it, as duplicates have it, else to the first one that is left.
+    """
+    fits = {
+        name: [other for other, pose in copied.items() if built.difference(pose.connectivity) is None]
+        for name, built in drawings.items()
+    }
+    if len(copied) == 1:
+        return {name: found[0] for name, found in fits.items() if found}
+    result: dict[str, str] = {}
+    for alike in (_same, _same_but_for_numbers, lambda _name, _other: True):
+        for name, found in fits.items():
+            free = [other for other in found if other not in result.values() and alike(name, other)]
+            if name not in result and free:
+                result[name] = free[0]
+    return result
+
+
+def _same(name: str, other: str) -> bool:
+    return name == other
+
+
+def _same_but_for_numbers(name: str, other: str) -> bool:
+    return _NUMBER.sub("", name) == _NUMBER.sub("", other)
 
 
 def copied(

@@ -106,6 +106,7 @@ class Posing:
         self.played: Callable[[int], Array | None] | None = None
         # By the key of a pin that goes along with a moving one, seen in a mirror across u: that one's.
         self.mirrored: Mapping[int, int] = {}
+        self.companions = 0  # how many pins of other drawings move with these, see together.py
         if pivot is None:
             movers = [
                 place
@@ -115,6 +116,18 @@ class Posing:
             pivot = np.mean(movers, axis=0) if movers else np.zeros(positions.shape[1])
         self.pivot: Array = np.asarray(pivot, dtype=np.float64)
         self.restart()
+
+    @staticmethod
+    def seen_in(sample: Sample, axes: Array, side: float) -> Sample:
+        """A sample told in another plane, in this one; see together.Plane."""
+        du, dv, angle = sample
+        (a, b), (c, d) = axes.tolist()
+        return a * du + b * dv, c * du + d * dv, side * angle
+
+    @property
+    def movers(self) -> int:
+        """How many pins are moved by themselves."""
+        return sum(self._moves(holder) for holder in self._holders)
 
     def restart(self) -> None:
         """Back to the start, as if nothing had been moved yet."""

@@ -17,7 +17,7 @@ from ..plane.frame import Array
 from ..work import Progress
 from .joints import Ties
 
-CAPACITY = 8  # objects; a 10k-vertex factor takes some 20 MB
+CAPACITY = 16  # objects; a 10k-vertex factor takes some 20 MB
 
 Solver = TypeVar("Solver")
 Recipe = tuple[Any, ...]  # arrays, and what else a solver is made of

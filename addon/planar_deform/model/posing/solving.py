@@ -11,9 +11,14 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from typing import Any, Generic, Protocol, TypeVar
 
 from ... import native
-from .posing import Posing, Sample, Solved
+from ..work import Progress
+from .posing import Sample
+
+SolvedT = TypeVar("SolvedT")
+SolvedT_co = TypeVar("SolvedT_co", covariant=True)
 
 # Seconds that the mouse has to rest before the drawing is refined: a refinement under way would keep the next
 # movement of the mouse waiting.
@@ -29,14 +34,33 @@ class StoppedError(RuntimeError):
     """Another posing has begun meanwhile."""
 
 
-class Solving:
+class Movable(Protocol[SolvedT_co]):
+    """What a thread asks of a posing: one, or several together. `SolvedT_co`: what it comes to."""
+
+    progress: Progress | None
+    path: list[Sample]
+
+    @property
+    def settled(self) -> bool: ...
+
+    @property
+    def refines_slowly(self) -> bool: ...
+
+    def restart(self) -> None: ...
+
+    def move(self, du: float, dv: float, angle: float) -> object: ...
+
+    def solved(self) -> SolvedT_co: ...
+
+
+class Solving(Generic[SolvedT]):
     """Moves a posing to the newest sample asked for, and refines it when there is none.
 
     Samples that are overtaken before their turn are never solved, and are not in the posing's path. Between
     the first `ask` and `halt` the posing belongs to the thread.
     """
 
-    def __init__(self, posing: Posing):
+    def __init__(self, posing: Movable[SolvedT]):
         self._posing = posing
         self._changed = threading.Condition()
         self._route: deque[Sample] = deque()  # to be taken sample by sample, before anything newer
@@ -47,9 +71,9 @@ class Solving:
         self._hurried = False
         self._stopped = False
         self._error: Exception | None = None
-        self._solved: Solved | None = None  # not yet shown
+        self._solved: SolvedT | None = None  # not yet shown
         self._took = float("inf")  # seconds that the last sample took
-        self._seen: Callable[[Solved], None] | None = None
+        self._seen: Callable[[SolvedT], None] | None = None
         self._thread: threading.Thread | None = None
         posing.progress = self._goes_on
 
@@ -61,7 +85,7 @@ class Solving:
             self._newest = sample
             self._wake()
 
-    def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
+    def retrace(self, path: list[Sample], seen: Callable[[SolvedT], None] | None = None) -> None:
         """Go back to the start, and along this path with all of its samples.
 
         `seen`, called in the thread, gets all that is solved from then on.
@@ -77,7 +101,7 @@ class Solving:
             self._idle = self._thread is None  # it may have come to rest before that end
             self._changed.notify_all()
 
-    def newest(self) -> Solved | None:
+    def newest(self) -> SolvedT | None:
         """The newest there is, unless it was given before. Raises the thread's error, and StoppedError."""
         with self._changed:
             if self._error is not None:
@@ -132,7 +156,7 @@ class Solving:
             _last = self
             self._thread.start()
 
-    def _run(self, before: Solving | None) -> None:
+    def _run(self, before: Solving[Any] | None) -> None:
         if before is not None:
             before.end()
         try:
@@ -196,7 +220,7 @@ class Solving:
             self._thread.join()
 
 
-_last: Solving | None = None
+_last: Solving[Any] | None = None
 
 
 def interrupt() -> None:

@@ -21,9 +21,17 @@ class Spreading(Posing):
 
     scales_patches = False  # all that move, with the ways between them
 
+    @staticmethod
+    def seen_in(sample: Sample, axes: Array, side: float) -> Sample:
+        uu, vv, uv = sample
+        if uu == vv and not uv:
+            return sample  # in all directions alike
+        (a, c), (b, d) = (axes @ np.array([[uu, uv], [uv, vv]]) @ axes.T).tolist()
+        return a, d, 0.5 * (b + c)
+
     def _grown(self, holder: Holder, begun: float, sample: Sample) -> float:
         uu, vv, uv = sample
-        alone = sum(self._moves(other) for other in self._holders) == 1
+        alone = self.movers + self.companions == 1
         if not self._moves(holder) or not (alone or self.scales_patches) or uu != vv or uv:
             return begun
         return max(begun * (1.0 + uu), LEAST_SCALE)

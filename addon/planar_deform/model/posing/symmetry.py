@@ -67,6 +67,26 @@ def find_symmetry(rest: Array, edges: Indices, axis: int, tolerance: float) -> S
     return Symmetry(axis, line, partners)
 
 
+def counterparts(shape: tuple[Array, Indices], image: tuple[Array, Indices], tolerance: float) -> Indices:
+    """For each of n vertices of a shape the one of an image of it, wherever that lies, that is its own.
+
+    Both are n x 2 rest positions with edges (e x 2). The middles of their extents are laid on each other,
+    then partners have to be within `tolerance` (a length), and edges have to go to edges. Raises
+    NotSymmetricError.
+    """
+    (rest, edges), (seen, edges_seen) = shape, image
+    if len(rest) != len(seen) or len(edges) != len(edges_seen):
+        raise NotSymmetricError(f"{len(rest)} vertices on one side, {len(seen)} on the other")
+    middles = [0.5 * (points.min(axis=0) + points.max(axis=0)) for points in (rest, seen)]
+    partners, distances = nearest(seen, rest + middles[1] - middles[0])
+    lonely = np.count_nonzero(distances > tolerance)
+    if lonely or len(np.unique(partners)) < len(rest):
+        raise NotSymmetricError(f"{lonely} of {len(rest)} vertices have no partner within {tolerance:.3g}")
+    if not np.array_equal(unique_edges(partners[edges]), unique_edges(edges_seen)):
+        raise NotSymmetricError("edges have no partner, though all vertices have one")
+    return partners
+
+
 def nearest(points: Array, queries: Array) -> tuple[Indices, Array]:
     """For each of k x 2 queries the index of the nearest of n x 2 points, and its distance.
 

@@ -1,103 +1,78 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A posing in Blender: the model's, with the object it is read from and written to."""
+"""A posing of one object: the model's, with the object it is read from and written to."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from functools import cached_property, partial
 
 import bpy
 import numpy as np
 
-from ... import native
 from ...errors import Refusal
-from ...model.plane.frame import Array
-from ...model.posing import solving
 from ...model.posing.pins import Holder
-from ...model.posing.posing import MOST_REFINEMENTS, Posing, Sample, Solved
+from ...model.posing.posing import Posing, Solved
 from ...scene.flatten import pushing
 from ...scene.lattice.posed import begin_posing
 from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
 from ...scene.objects.cutout_object import CutoutObject
 from ...scene.pins import joint_list, partners, pin_list, pose_holding
+from ...scene.sequence.playback import Steps
 from ...scene.view import snapshot
 from .. import keying
-
-NOTICED = 0.1  # seconds after which progress is shown
-
-
-def selection_on_press(selected: set[int], pin: int, extend: bool) -> set[int]:
-    """The pins that a drag takes along when `pin` (-1: none) is pressed: all selected ones if it is one."""
-    if pin < 0 or pin in selected:
-        return selected
-    return {pin} | (selected if extend else set())
-
-
-def selection_on_click(selected: set[int], pin: int, extend: bool) -> set[int]:
-    """The selection after `pin` was pressed and released where it is."""
-    return selected ^ {pin} if extend else {pin}
+from .reports import Tell
 
 
 class ObjectPosing:
-    """Begins on the active object; is moved any number of times; then is kept or taken back.
+    """Begins on an object; is moved any number of times; then is kept or taken back.
 
-    Nothing but the selection changes before the first move. Between events only names and arrays are kept.
+    Nothing changes before the first move. Between events only names and arrays are kept.
     """
 
     def __init__(
         self,
         context: bpy.types.Context,
-        pressed: int = -1,
-        extend: bool = False,
+        obj: bpy.types.Object,
+        moving: set[int] | None,
         *,
-        settling: bool = False,
+        pressed: int = -1,
         unkeyed: bool = False,
         pivot: Sequence[float] | None = None,
         facing: Sequence[float] | None = None,
         model: type[Posing] = Posing,
     ):
-        """`settling`: no pin moves, all of them hold. `unkeyed`, `facing`: as in `begin_posing`. `pivot`: a
-        world position. `model`: what samples mean.
+        """`moving`: the pins that move, by their indices; None: all of them hold, and the pose settles.
+        `pressed`: the one that the mouse is on. `unkeyed`, `facing`: as in `begin_posing`. `pivot`: a world
+        position. `model`: what samples mean.
 
-        Raises Refusal, with nothing changed.
+        Raises Refusal.
         """
-        self.drawing = begin_posing(context, unkeyed=unkeyed, facing=facing)
-        obj = context.object
+        self.drawing = begin_posing(context, obj, unkeyed=unkeyed, facing=facing)
         covered = modifiers.covering(obj)
         if covered is not None:
             raise Refusal(covered)
-        settings = obj.planar
-        if pressed >= len(settings.pins):
-            raise Refusal(f"There is no pin {pressed}: the object has {len(settings.pins)}")
         pin_list.sync(obj)
         self._joints = joint_list.bound_joints(obj, self.drawing)
         self._solver = joint_list.solver_of(obj, self.drawing, self._joints)
         self._pins = pin_list.model_pins(obj, self.drawing)
-        if settling and not any(pin.enabled for pin in self._pins):
+        if moving is None and not any(pin.enabled for pin in self._pins):
             raise Refusal("No pin is on and holds vertices: add or enable one in the Planar tab")
-        self._selected_before = {index for index, pin in enumerate(settings.pins) if pin.select}
-        self._active_before = settings.active_pin
-        self._pressed, self._extend = pressed, extend
+        self._pressed, self._settling, self._moving = pressed, moving is None, moving or set()
         self._wrote = False
         self._make_model = model
         self._kept_before: pin_list.SavedResults | None = None
         self._model: Posing | None = None
         self._off: list[Holder] = []
-        self._moving = selection_on_press(self._selected_before, pressed, extend)
-        self._settling = settling
         drawing, self._unheld = self.drawing, None
         if isinstance(drawing, CutoutObject):
             self._unheld = pose_holding.unheld(obj, lambda: drawing.distortion)
         self._uv_told: str | None = None
         self._uv = self._followed_uv(obj)
+        self.pivot_given = pivot is not None
         self._pivot = (
             None if pivot is None else self.drawing.from_world(np.array([pivot], dtype=np.float64))[0]
         )
-        if pressed >= 0:
-            settings.active_pin = pressed
-            self._select(self._moving)
 
     @property
     def model(self) -> Posing:
@@ -127,51 +102,9 @@ class ObjectPosing:
         chosen += [pin for pin in self._pins if pin.key in self._moving]
         return Holder(chosen[0], self.drawing.cutout) if chosen else None
 
-    def run(self, path: list[Sample], *, settle: bool) -> str | None:
-        """Take the pins along a path, here and now, and end with what is reached; as finish() tells.
-
-        Raises Refusal, with everything as it was.
-        """
-        try:
-            self.solve(path, settle=settle)
-            solved = self.model.solved()
-            self._write(solved.positions)
-            return self.finish(solved)
-        except Exception:
-            self.cancel()
-            raise
-
-    def solve(
-        self, path: list[Sample], seen: Callable[[Solved], None] | None = None, *, settle: bool = False
-    ) -> None:
-        """Solve a path, here and now, and tell `seen` of each sample; nothing is written. Raises Refusal.
-
-        What takes longer than a moment shows its progress at the mouse.
-        """
-        solving.halt()
-        manager = bpy.context.window_manager
-        manager.progress_begin(0, len(path) + MOST_REFINEMENTS * settle)
-        began = time.perf_counter()
-        try:
-            for count, sample in enumerate(self._samples(path, settle)):
-                self.model.move(*sample)
-                if seen is not None:
-                    seen(self.model.solved())
-                if time.perf_counter() - began > NOTICED:
-                    manager.progress_update(count)
-        except native.SolveError as error:
-            raise Refusal(str(error)) from error
-        finally:
-            manager.progress_end()
-
-    def _samples(self, path: list[Sample], settle: bool) -> Iterator[Sample]:
-        yield from path
-        while settle and not self.model.settled:
-            yield self.model.path[-1]
-
     def show(self, solved: Solved) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
-        self._write(solved.positions)
+        self.write(solved)
         results = [*solved.results, *pin_list.carried(self._off, solved.positions)]
         results += joint_list.carried(self._joints, self.drawing, solved.positions)
         snapshot.follow(self.drawing, solved.positions, results)
@@ -182,17 +115,13 @@ class ObjectPosing:
         self._kept_before = self._kept_before or pin_list.SavedResults(obj)
         pin_list.store_results(obj, self.drawing, solved.results)
 
-    def finish(self, solved: Solved) -> str | None:
-        """End it with this, which is shown; auto-key keys it. What the user is to be told."""
+    def finish(self, solved: Solved, tell: Tell) -> Steps:
+        """End it with this, which is shown; auto-key keys it, see playback.together()."""
         self.keep(solved)
-        told = [text for text in (self._unheld, self._uv_told) if text is not None]
-        if (
-            bpy.context.object == self.drawing.resolve()
-            and (keyed := keying.auto_key(bpy.context)) is not None
-        ):
-            told.append(keyed)
-        bpy.context.view_layer.update()  # while it is known to be ours
-        return ". ".join(told) or None
+        for text in (self._unheld, self._uv_told):
+            if text is not None:
+                tell(text)
+        yield from keying.auto_key(bpy.context, self.drawing.resolve(), tell)
 
     def cancel(self) -> None:
         """End it with everything as it was, to the bit. Raises ObjectGone."""
@@ -202,20 +131,13 @@ class ObjectPosing:
             self.drawing.restore()
         if self._kept_before is not None:
             self._kept_before.restore(obj)
-        self._select(self._selected_before)
-        obj.planar.active_pin = self._active_before
         if self._uv is not None:
             self._uv.take_back(obj)
 
-    def click(self) -> bool:
-        """End it, unmoved, as a click on the pressed pin; whether that changed the selection."""
-        after = selection_on_click(self._selected_before, self._pressed, self._extend)
-        self._select(after)
-        return after != self._selected_before or self._active_before != self._pressed
-
-    def _write(self, positions: Array) -> None:
+    def write(self, solved: Solved) -> None:
+        """Let the object show this."""
         self._wrote = True
-        self.drawing.write(positions)
+        self.drawing.write(solved.positions)
         if self._uv is not None:
             self._uv.follow(self.drawing.resolve())
 
@@ -226,7 +148,3 @@ class ObjectPosing:
         except Refusal as refusal:
             self._uv_told = f"The UV map did not follow: {refusal}"
             return None
-
-    def _select(self, wanted: set[int]) -> None:
-        for index, pin in enumerate(self.drawing.resolve().planar.pins):
-            pin.select = index in wanted

@@ -11,7 +11,7 @@ from ...errors import Refusal
 from ...model.input.drag import Drag, Mode, Point
 from ...model.plane.axes import plane_axes
 from ...scene.view.mouse import ray
-from .object_posing import ObjectPosing
+from .several_posing import SeveralPosing
 
 EDGE_ON = "The drawing is seen edge-on here: turn the view first"
 SNAP_PIXELS = 5.0  # at a UI scale of 1, the least that a snapping step is wide
@@ -25,7 +25,7 @@ class PlaneMouse:
 
     def __init__(
         self,
-        posing: ObjectPosing,
+        posing: SeveralPosing,
         region: bpy.types.Region,
         view: bpy.types.RegionView3D,
         event: bpy.types.Event,

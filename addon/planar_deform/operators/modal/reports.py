@@ -7,6 +7,13 @@ import traceback
 from collections.abc import Callable
 from typing import Protocol
 
+Tell = Callable[[str], None]  # takes what the user is to be told in the end
+
+
+def telling(told: list[str], name: str | None) -> Tell:
+    """Takes what the user is to be told of an object, with its name where there are several."""
+    return lambda text: told.append(text if name is None else f"'{name}': {text}")
+
 
 class _Reporting(Protocol):
     report: Callable[[set[str], str], None]  # of Blender's operators

@@ -16,12 +16,13 @@ import bpy
 
 from ... import native
 from ...errors import ObjectGone, Refusal, try_all
-from ...model.posing.posing import Sample, Solved
+from ...model.posing.posing import Sample
 from ...model.posing.solving import Solving, StoppedError
+from ...model.posing.together import SolvedTogether
 from ...scene import follow
 from ...scene.view import snapshot
 from . import reports, running
-from .object_posing import NOTICED, ObjectPosing
+from .several_posing import NOTICED, SeveralPosing
 
 RATE = 1 / 120  # seconds between two looks at what the thread has solved
 # Seconds that an event may wait for the last sample: mostly it is solved by then, and the window goes on.
@@ -36,13 +37,13 @@ MODIFIERS = {f"{side}_{key}" for side in ("LEFT", "RIGHT") for key in ("SHIFT", 
 class Session:
     """A posing under way in a window, and all that shows there that it is."""
 
-    def __init__(self, context: bpy.types.Context, posing: ObjectPosing, keys: str):
+    def __init__(self, context: bpy.types.Context, posing: SeveralPosing, keys: str):
         """`keys` says in the status bar what the user can press."""
         self.posing = posing
-        self.shown: Solved | None = None
+        self.shown: SolvedTogether | None = None
         self.released = False
         self.ended = False
-        self._solving: Solving | None = None
+        self._solving: Solving[SolvedTogether] | None = None
         self._complete = False  # the last thing asked for is a way that must be gone to its end
         self._asked, self._length = time.perf_counter(), 0  # when that was, and how many samples it has
         self._text = self._told = ""  # the header's, without and with the progress
@@ -59,7 +60,7 @@ class Session:
         if self._thread.at_once(sample):
             self.show()
 
-    def retrace(self, path: list[Sample], seen: Callable[[Solved], None] | None = None) -> None:
+    def retrace(self, path: list[Sample], seen: Callable[[SolvedTogether], None] | None = None) -> None:
         """Go along this path from the start instead; the thread tells `seen` of each sample."""
         self._complete = True
         self._asked, self._length = time.perf_counter(), len(path)
@@ -164,7 +165,7 @@ class Session:
         self.end()
 
     @property
-    def _thread(self) -> Solving:
+    def _thread(self) -> Solving[SolvedTogether]:
         if self._solving is None:
             self._solving = Solving(self.posing.model)
         return self._solving
@@ -215,7 +216,7 @@ class Interactive:
         """What an event before the release does, in a subclass."""
         raise NotImplementedError
 
-    def keep_result(self, solved: Solved) -> None:
+    def keep_result(self, solved: SolvedTogether) -> None:
         """Let the properties say what it has come to, in a subclass."""
         raise NotImplementedError
 
@@ -254,7 +255,7 @@ class Interactive:
     def _go_on(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """What an event does."""
         session = self._session
-        if not session.posing.drawing.resolve().visible_get():
+        if not session.posing.visible:
             return self.stop()
         session.show()
         if not session.released:
@@ -291,9 +292,10 @@ class Interactive:
         told = session.posing.finish(session.shown)
         self.keep_result(session.shown)
         self.leave()
-        obj = bpy.data.objects.get(session.posing.drawing.object_name)
-        if obj is not None:
-            follow.match(obj)  # what Blender has told of it was put off by the drag
+        for posing in session.posing.posings:
+            obj = bpy.data.objects.get(posing.drawing.object_name)
+            if obj is not None:
+                follow.match(obj)  # what Blender has told of it was put off by the drag
         reports.inform(self, told)
         return {"FINISHED"}
 

@@ -35,10 +35,9 @@ class Way:
     all unkeyed poses go. Holds no reference to Blender's data.
     """
 
-    def __init__(self, context: bpy.types.Context):
-        """Of the active object. Raises Refusal, with nothing changed."""
-        self.drawing = begin_shape(context, unkeyed=True)
-        obj = context.object
+    def __init__(self, context: bpy.types.Context, obj: bpy.types.Object):
+        """Of an object. Raises Refusal, with nothing changed."""
+        self.drawing = begin_shape(context, obj, unkeyed=True)
         self.frame = context.scene.frame_current_final
         reason = refusal(obj, self.frame)
         if reason is not None:

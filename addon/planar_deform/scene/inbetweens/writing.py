@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import bpy
@@ -25,15 +25,16 @@ from ...model.timing.played_curve import (
 from ..objects.any_object import AnyObject
 from ..sequence import playback, pose_curve, pose_showing, pose_state
 from ..sequence.conditions import conditions
-from ..sequence.playback import Block, inbetween_name
+from ..sequence.playback import Block, Steps, inbetween_name
 from ..sequence.pose_blocks import FIRST, SPACING, keyed, own_curve
 from ..sequence.stretches import Stamps, Stretch, stretches
 from ..storage import changes, digests
 from .plan import Plan
 
 
-def write(drawing: AnyObject, plan: Plan, shapes: Sequence[Array]) -> Generator[float, None, None]:
-    """Put in what plan.solve() gave, in place of what was generated before; yields the share that is done.
+def write(drawing: AnyObject, plan: Plan, shapes: Sequence[Array]) -> Steps:
+    """Put in what plan.solve() gave, in place of what was generated before; yields the share that is done, as
+    playback.together() asks.
 
     Closed before its end, or where anything fails, everything is back to the bit. Raises ObjectGone where the
     poses are not those of the plan any more, Refusal beyond what Blender can store.
@@ -54,10 +55,11 @@ def write(drawing: AnyObject, plan: Plan, shapes: Sequence[Array]) -> Generator[
     pose_showing.show(drawing.resolve(), was_unkeyed)
 
 
-def remove(obj: bpy.types.Object) -> None:
-    """Take all in-betweens out: what was there before they were generated is back, to the bit.
+def removing(obj: bpy.types.Object) -> Steps:
+    """Take all in-betweens out, step by step: what was there before them is back, to the bit.
 
-    Poses that have been keyed, deleted or edited since stay so. Raises Refusal.
+    Poses that have been keyed, deleted or edited since stay so. Raises Refusal; yields the share done, see
+    playback.together().
     """
     reason = pose_state.refusal(obj)
     if reason is not None:
@@ -92,7 +94,7 @@ def remove(obj: bpy.types.Object) -> None:
             wanted = progress.kept(rows, was.exact[:, 0] | _stands(rows, shown, was), fallback)
             pose_curve.write_rows(curve, was.restored(wanted, fallback), was.exact)
 
-    playback.run(playback.relay(obj, blocks, then))
+    yield from playback.relay(obj, blocks, then)
     for index, pose in enumerate(settings.poses):
         if active in folded and pose.at == at[folded[active]]:
             settings.active_pose = index

@@ -29,17 +29,21 @@ def posing_refusal(obj: bpy.types.Object | None) -> str | None:
 
 
 def begin_posing(
-    context: bpy.types.Context, *, unkeyed: bool = False, facing: Sequence[float] | None = None
+    context: bpy.types.Context,
+    obj: bpy.types.Object | None = None,
+    *,
+    unkeyed: bool = False,
+    facing: Sequence[float] | None = None,
 ) -> PosedObject:
-    """The active object read at the start of a posing, its transforms up to date. Raises Refusal.
+    """An object read at the start of a posing, by default the active one. Raises Refusal.
 
     A drag that still is on, as during a script, ends with what it shows.
 
     `unkeyed`: what the posing writes is shown, and never becomes a keyed pose by itself. `facing`: see
     PosedLattice.
     """
-    make_current(context)
-    return read_posed(context.object, unkeyed=unkeyed, facing=facing)
+    make_current(context, obj)
+    return read_posed(obj or context.object, unkeyed=unkeyed, facing=facing)
 
 
 def read_posed(

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Mapping
 from typing import Protocol
 
 import bpy
@@ -11,6 +11,7 @@ import bpy
 from ...errors import Refusal
 from ...model.plane.frame import Array, Array32
 from ..sequence import playback, pose_edit
+from ..sequence.playback import Steps
 from ..storage import points
 from . import cutout_object
 from .cutout_object import CutoutObject
@@ -40,15 +41,17 @@ def is_outline(obj: bpy.types.Object) -> bool:
     return obj.type == "CURVE" or (obj.type == "MESH" and not obj.data.polygons)
 
 
-def begin_shape(context: bpy.types.Context, *, unkeyed: bool = False) -> AnyObject:
-    """The active object's shape at the start of a posing, its transforms up to date. Raises Refusal.
+def begin_shape(
+    context: bpy.types.Context, obj: bpy.types.Object | None = None, *, unkeyed: bool = False
+) -> AnyObject:
+    """An object's shape at the start of a posing, by default of the active one. Raises Refusal.
 
     A drag that still is on, as during a script, ends with what it shows.
 
     `unkeyed`: what the posing writes is shown, and never becomes a keyed pose by itself.
     """
-    make_current(context)
-    return read_shape(context.object, unkeyed=unkeyed)
+    make_current(context, obj)
+    return read_shape(obj or context.object, unkeyed=unkeyed)
 
 
 def read_shape(obj: bpy.types.Object | None, *, unkeyed: bool = False) -> AnyObject:
@@ -80,12 +83,11 @@ def key_poses(drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bo
     playback.run(keying(drawing, shapes, throughout=throughout))
 
 
-def keying(
-    drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False
-) -> Generator[float, None, None]:
+def keying(drawing: Keyable, shapes: Mapping[float, Array], *, throughout: bool = False) -> Steps:
     """Key poses: positions of the drawing by frame, as pose_edit.put_coordinates() does it, step by step.
 
-    `drawing` is used up by this. Yields the share done; closed before its end, everything is as it was.
+    `drawing` is used up by this. Yields the share done, see playback.together(); closed before its end,
+    everything is as it was.
     Raises Refusal and ObjectGone, with nothing changed.
     """
     obj, coordinates = drawing.resolve(), {}

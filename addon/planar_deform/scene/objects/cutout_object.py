@@ -50,7 +50,7 @@ EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
 MOST_SIDES = 10_000  # triangles that tell, spread over a dense drawing, whether it has been turned over
 UNEVEN = 0.05  # of the diagonal: beyond this no depths explain how far points are from a plane
-CAPACITY = 8  # objects; what is kept of one of 100k vertices takes some 30 MB
+CAPACITY = 16  # objects; what is kept of one of 100k vertices takes some 30 MB
 
 
 _latest: OrderedDict[int, CutoutObject] = OrderedDict()  # by session_uid, what was read last at the end

@@ -41,15 +41,16 @@ def data_refusal(obj: bpy.types.Object, mode: str) -> str | None:
     return None
 
 
-def make_current(context: bpy.types.Context) -> None:
-    """Before the active object is read: end a drag that still is on with what it shows, update transforms.
+def make_current(context: bpy.types.Context, obj: bpy.types.Object | None = None) -> None:
+    """Before an object is read, by default the active one: end a drag that still is on, update transforms.
 
-    What has been done to its mesh as a whole is taken into account, too.
+    The drag ends with what it shows. What has been done to its mesh as a whole is taken into account, too.
     """
     solving.interrupt()
     context.view_layer.update()
-    if context.object is not None:
-        mesh_edits.catch_up(context.object)
+    obj = obj or context.object
+    if obj is not None:
+        mesh_edits.catch_up(obj)
 
 
 class FlatObject:

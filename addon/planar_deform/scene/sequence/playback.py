@@ -7,14 +7,14 @@ A block cannot be moved: it is taken out and added again at its new eval_time, a
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ...errors import ObjectGone
+from ...errors import ObjectGone, naming, try_all
 from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME, moved
 from ..storage.points import read_block, write_block
@@ -125,10 +125,39 @@ def inbetween_name(pose: str, number: int) -> str:
     return pose.encode()[: 63 - len(behind)].decode(errors="ignore") + behind
 
 
+Steps = Generator[float, None, None]  # something done step by step, which yields the share done
+
+
 def run(steps: Iterator[float]) -> None:
     """Do all of something that is done step by step."""
     for _ in steps:
         pass
+
+
+def named(name: str | None, steps: Steps) -> Steps:
+    """The same, whose refusals tell which object they are of; None: it is the only one."""
+    with naming(name):
+        yield from steps
+
+
+def together(several: Sequence[Steps]) -> Steps:
+    """Do several things, each step by step: all of them, or none.
+
+    When all that can go wrong of one is done it yields 1; closed there, it still takes everything back. One
+    that ends before has nothing to take back. This yields 1 likewise.
+    """
+    try:
+        for number, steps in enumerate(several):
+            for share in steps:
+                if share >= 1.0:
+                    break
+                yield (number + share) / len(several)
+        yield 1.0
+    except BaseException:
+        try_all(steps.close for steps in reversed(several))
+        raise
+    for steps in several:
+        run(steps)
 
 
 Follow = Callable[[bpy.types.Object, Array, Array], None]
@@ -140,8 +169,8 @@ def follow(obj: bpy.types.Object, old: Array, new: Array) -> None:
         pose_curve.follow(obj.data.shape_keys, old, new)
 
 
-def relay(obj: bpy.types.Object, blocks: Sequence[Block], then: Follow = follow) -> Iterator[float]:
-    """Replace the played range by these blocks, one a step; yields the share that is done.
+def relay(obj: bpy.types.Object, blocks: Sequence[Block], then: Follow = follow) -> Steps:
+    """Replace the played range by these blocks, one a step; yields the share that is done, see together().
 
     `then` is called at the end, with the old and new eval_times of the blocks that stay in order, to edit the
     curve. Between the steps the object shows what it showed. Closed before its end, or where anything fails,
@@ -151,6 +180,7 @@ def relay(obj: bpy.types.Object, blocks: Sequence[Block], then: Follow = follow)
     undo = _Undo(obj)
     try:
         yield from _lay(find, undo, blocks, then)
+        yield 1.0
     except BaseException:
         with contextlib.suppress(ObjectGone):
             undo.restore(find())

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import bpy
 import numpy as np
@@ -13,6 +13,7 @@ from ...model.plane.frame import Array, Array32
 from ...model.timing.played_curve import SAME_EVAL_TIME
 from ..storage import migration, pin_paths, points
 from . import playback, pose_curve, pose_insertion
+from .playback import Steps
 from .pose_blocks import FIRST, block_at, keyed, own_curve
 from .pose_showing import drop_scratch, show_frame
 from .pose_state import is_ours, pose_at, refusal
@@ -24,13 +25,13 @@ def put_coordinates(
     rest: Array32 | None = None,
     *,
     throughout: bool = False,
-) -> Iterator[float]:
-    """Key a pose for each shape (by frame; see storage/points.py), step by step; yields the share done.
+) -> Steps:
+    """Key a pose for each shape (by frame; see storage/points.py), step by step.
 
     A frame at which a pose is keyed gets the new one in its place, with its easing; the object's sequence is
     begun, with the shape `rest`, if it has none. `throughout`: keys between the frames go away, with what
-    only they show and what is generated there. Closed before its end, everything is back to the bit. Raises
-    Refusal, with nothing changed.
+    only they show and what is generated there. Yields the share done, see playback.together(). Closed before
+    its end, everything is back to the bit. Raises Refusal, with nothing changed.
     """
     reason = refusal(obj)
     if reason is not None:
@@ -62,12 +63,14 @@ def activate(obj: bpy.types.Object, pose: int) -> None:
         obj.active_shape_key_index = keys.key_blocks.find(block.name)
 
 
-def remove(obj: bpy.types.Object, pose: int) -> None:
-    """Take a pose out of the sequence, and its keys; with the last one the sequence ends.
+def removing(obj: bpy.types.Object, pose: int) -> Steps:
+    """Take a pose out of the sequence, and its keys, step by step; with the last one the sequence ends.
 
-    What is generated before and behind it stays, and is stale, but not at the ends of the sequence.
+    What is generated before and behind it stays, and is stale, but not at the ends of the sequence. Yields
+    the share done, see playback.together().
     """
     if len(obj.planar.poses) == 1:
+        yield 1.0
         clear(obj)
         return
     eval_time, name = obj.planar.poses[pose].at, obj.planar.poses[pose].name
@@ -81,7 +84,7 @@ def remove(obj: bpy.types.Object, pose: int) -> None:
             curve.update()  # of a pose without keys none were removed
 
     blocks = [block for block in playback.blocks_of(obj) if block.source != eval_time]
-    playback.run(playback.relay(obj, pose_insertion.close_up(blocks), then))
+    yield from playback.relay(obj, pose_insertion.close_up(blocks), then)
     pin_paths.forget_pose(obj, name)
     drop_scratch(obj)
     activate(obj, max(0, min(obj.planar.active_pose, len(obj.planar.poses) - 1)))

@@ -16,13 +16,11 @@ from ..storage import pin_paths
 from ..storage.shape_keys import POSE_KEY
 from . import pose_curve
 from .key_ease import of_new_keys
-from .playback import Block, blocks_of, eval_times_of, follow, relay
+from .playback import Block, Steps, blocks_of, eval_times_of, follow, relay
 from .pose_blocks import keyed
 
 
-def insert(
-    obj: bpy.types.Object, shapes: Mapping[float, Array32], *, throughout: bool = False
-) -> Iterator[float]:
+def insert(obj: bpy.types.Object, shapes: Mapping[float, Array32], *, throughout: bool = False) -> Steps:
     """Key a pose for each shape (by frame; see storage/points.py), step by step as playback.relay().
 
     A pose that is keyed at such a frame, and nowhere else, gets the shape. Every other one comes after what

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +16,30 @@ from ..storage import pin_paths
 from ..storage.points import read_block, update, write_block
 from . import playback, pose_curve, pose_edit, pose_showing, pose_state
 from .key_ease import of_new_keys
-from .playback import blocks_of, eval_times_of, inbetween_name, relay
+from .playback import Steps, blocks_of, eval_times_of, inbetween_name, relay
 from .pose_blocks import SPACING, block_at, keyed, own_curve, shown_curve
 from .pose_insertion import close_up, put_in, shown_before
 
 
-def retime(obj: bpy.types.Object, pose: int, frame: float) -> None:
-    """Show a pose at another frame: the first one of its keys is moved there, with its easing.
+def alike(obj: bpy.types.Object, pose: int, objects: Iterable[bpy.types.Object]) -> dict[str, int]:
+    """A pose of an object, and those of others that are first shown at the same frame: by their names."""
+    found = {obj.name: pose}
+    frames = pose_state.frames_of(obj, pose)
+    for other in objects:
+        if other == obj or not frames or not pose_state.is_ours(other):
+            continue
+        index = pose_state.pose_at(other, frames[0])
+        if index is not None and abs(pose_state.frames_of(other, index)[0] - frames[0]) < SAME_FRAME:
+            found[other.name] = index
+    return found
+
+
+def retiming(obj: bpy.types.Object, pose: int, frame: float) -> Steps:
+    """Show a pose at another frame, step by step: the first one of its keys is moved there, with its easing.
 
     One that goes past others is played in their order from then on; what is generated stays where it is, and
-    is stale there. A pose without a key is keyed. Raises Refusal, with nothing changed.
+    is stale there. A pose without a key is keyed. Raises Refusal, with nothing changed. Yields the share
+    done, see playback.together().
     """
     reason = pose_state.refusal(obj)
     if reason is not None:
@@ -40,10 +56,11 @@ def retime(obj: bpy.types.Object, pose: int, frame: float) -> None:
     was_unkeyed = pose_state.unkeyed(obj)
     in_turn = len(mine) > 0 and (others[:, 0] < frame).sum() == mine[0]
     if in_turn or len(mine) > 1:
+        yield 1.0
         _move_key(own_curve(keys), int(mine[0]), frame)
     else:
         pose_state.block_of(obj, pose)
-        _reorder(obj, record.at, others, mine, frame)
+        yield from _reorder(obj, record.at, others, mine, frame)
     pose_showing.show(obj, was_unkeyed)
 
 
@@ -58,7 +75,7 @@ def _move_key(curve: bpy.types.FCurve, index: int, frame: float) -> None:
 
 def _reorder(
     obj: bpy.types.Object, eval_time: float, others: Array32, mine: NDArray[np.intp], frame: float
-) -> None:
+) -> Steps:
     """Play the pose at an eval_time where it belongs at a frame, among these other keys, and key it there."""
     blocks = blocks_of(obj)
     block = next(block for block in blocks if block.source == eval_time)
@@ -90,7 +107,7 @@ def _reorder(
         point.handle_left[1], point.handle_right[1] = to + offsets[0], to + offsets[1]
         _move_key(curve, int(mine[0]), frame)
 
-    playback.run(relay(obj, blocks, then))
+    return relay(obj, blocks, then)
 
 
 def _offsets(keys: bpy.types.Key, index: int) -> tuple[float, float]:
@@ -118,21 +135,25 @@ def rename_blocks(obj: bpy.types.Object, pose: bpy.types.PropertyGroup) -> None:
     pose.name = block.name  # which calls this again, with nothing to do
 
 
-def give_shape(obj: bpy.types.Object, pose: int, shape: Array32) -> None:
-    """Give a pose another shape. Raises Refusal, with nothing changed."""
+def giving_shape(obj: bpy.types.Object, pose: int, shape: Array32) -> Steps:
+    """Give a pose another shape. Raises Refusal, with nothing changed; yields as playback.together() asks."""
     block = pose_state.block_of(obj, pose)
     if block.lock_shape:
         raise Refusal(f"Shape key '{block.name}' is locked: open its lock in the Shape Keys panel")
+    yield 1.0
     write_block(block, shape)
     update(obj)
 
 
-def duplicate(obj: bpy.types.Object, pose: int, frame: float) -> None:
-    """Key a pose once more, as one of its own, at a frame that has none. Raises Refusal."""
+def duplicating(obj: bpy.types.Object, pose: int, frame: float) -> Steps:
+    """Key a pose once more, as one of its own, at a frame that has none, as pose_edit.put_coordinates().
+
+    Raises Refusal.
+    """
     if (np.abs(keyed(obj.data.shape_keys)[:, 0] - frame) < SAME_FRAME).any():
         raise Refusal(f"Frame {frame:g} has a key: go to a frame without one")
     shape = read_block(obj, pose_state.block_of(obj, pose))
-    playback.run(pose_edit.put_coordinates(obj, {frame: shape}))
+    yield from pose_edit.put_coordinates(obj, {frame: shape})
 
 
 def step_of(obj: bpy.types.Object) -> int:
@@ -142,12 +163,13 @@ def step_of(obj: bpy.types.Object) -> int:
     return round(steps[0].frame_step) if steps else 1
 
 
-def set_step(obj: bpy.types.Object, step: int) -> None:
-    """Show every frame for `step` frames, counted from the first key."""
+def setting_step(obj: bpy.types.Object, step: int) -> Steps:
+    """Show every frame for `step` frames, counted from the first key. Yields as playback.together() asks."""
     curve = own_curve(obj.data.shape_keys)
     if curve is None:
         raise Refusal("The poses have no curve: key one with Key Pose")
     was_unkeyed = pose_state.unkeyed(obj)
+    yield 1.0
     for modifier in [modifier for modifier in curve.modifiers if modifier.type == "STEPPED"]:
         curve.modifiers.remove(modifier)
     if step > 1:

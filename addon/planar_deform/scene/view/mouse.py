@@ -48,9 +48,9 @@ def towards(view: bpy.types.RegionView3D) -> tuple[float, float, float]:
     return (x, y, z)
 
 
-def hidden_refusal(context: bpy.types.Context) -> str | None:
-    """Why the active object's pins cannot be used in the view at hand, if it is hidden there."""
-    obj = context.object
+def hidden_refusal(context: bpy.types.Context, obj: bpy.types.Object | None = None) -> str | None:
+    """Why pins of an object, by default the active one, cannot be used in the view at hand: it is hidden."""
+    obj = obj or context.object
     if obj is None or obj.visible_get():  # asks for the view at hand by itself
         return None
     space = context.space_data
@@ -60,9 +60,9 @@ def hidden_refusal(context: bpy.types.Context) -> str | None:
     return f"'{obj.name}' is hidden: show it by its eye in the Outliner first"
 
 
-def refuse_hidden(context: bpy.types.Context) -> None:
-    """Raises Refusal where the active object's pins cannot be used in the view at hand."""
-    reason = hidden_refusal(context)
+def refuse_hidden(context: bpy.types.Context, obj: bpy.types.Object | None = None) -> None:
+    """Raises Refusal where hidden_refusal() gives a reason."""
+    reason = hidden_refusal(context, obj)
     if reason is not None:
         raise Refusal(reason)
 
@@ -103,11 +103,11 @@ def pin_under(
     view: bpy.types.RegionView3D,
     pins: Iterable[PinPlace],
     mouse: Sequence[float],
-) -> int | None:
-    """The index of the pin that the mouse is on, of several the nearest; None if it is on none."""
+) -> PinPlace | None:
+    """The pin that the mouse is on, of several the nearest; None if it is on none."""
     shown = list(pins)
     nearest = nearest_within(region, view, (pin.place for pin in shown), mouse, REACH)
-    return None if nearest is None else shown[nearest].key
+    return None if nearest is None else shown[nearest]
 
 
 def pins_within(
@@ -116,25 +116,30 @@ def pins_within(
     pins: Iterable[PinPlace],
     corner: Sequence[float],
     opposite: Sequence[float],
-) -> list[int]:
-    """The indices of the pins that are seen in a box."""
+) -> list[PinPlace]:
+    """The pins that are seen in a box."""
     low, high = np.minimum(corner, opposite), np.maximum(corner, opposite)
-    seen = {pin.key: location_3d_to_region_2d(region, view, Vector(pin.place)) for pin in pins}
+    seen = ((pin, location_3d_to_region_2d(region, view, Vector(pin.place))) for pin in pins)
     return [
-        key
-        for key, place in seen.items()
+        pin
+        for pin, place in seen
         if place is not None and bool(np.all((low <= np.array(place)) & (np.array(place) <= high)))
     ]
 
 
-def ring_about(obj: bpy.types.Object, pins: Iterable[PinPlace]) -> Ring | None:
-    """The ring about the selected pins of an object that hold it; None where there are none."""
-    settings = obj.planar.pins
-    chosen = [pin for pin in pins if settings[pin.key].select and settings[pin.key].enabled]
-    chosen = [pin for pin in chosen if not is_joint(settings[pin.key])]
+def ring_about(pins: Iterable[PinPlace]) -> Ring | None:
+    """The ring about the selected ones of pins that hold drawings; None where there are none."""
+    listed = [(place, pin) for place in pins if (pin := pin_at(place)) is not None]
+    chosen = [(place, pin) for place, pin in listed if pin.select and pin.enabled and not is_joint(pin)]
     if len(chosen) > 1:
-        return Ring(np.mean([pin.target for pin in chosen], axis=0))
-    return Ring(chosen[0].target, chosen[0], settings[chosen[0].key].kind == "PATCH") if chosen else None
+        return Ring(np.mean([place.target for place, _ in chosen], axis=0))
+    return Ring(chosen[0][0].target, chosen[0][0], chosen[0][1].kind == "PATCH") if chosen else None
+
+
+def pin_at(place: PinPlace) -> bpy.types.PropertyGroup | None:
+    """The pin that is there, in the list of its object; None where that is another one by now."""
+    obj = bpy.data.objects.get(place.owner)
+    return obj.planar.pins[place.key] if obj is not None and place.key < len(obj.planar.pins) else None
 
 
 def on_ring(

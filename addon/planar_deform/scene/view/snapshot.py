@@ -29,10 +29,11 @@ from ..lattice.rig import RigState, rig_state
 from ..objects import cutout_object
 from ..objects.cutout_object import CutoutObject
 from ..pins import joint_list, pin_list
+from ..pins.taking_part import with_pins
 from ..storage import changes
 from ..storage.topology import edge_vertices
 
-CAPACITY = 8  # objects; what is kept of one of 10k vertices takes some 5 MB
+CAPACITY = 16  # objects; what is kept of one of 10k vertices takes some 5 MB
 NO_EDGES: Indices = np.empty((0, 2), np.int32)
 
 
@@ -40,7 +41,8 @@ NO_EDGES: Indices = np.empty((0, 2), np.int32)
 class PinPlace:
     """A pin that can be drawn."""
 
-    key: int  # its index in the object's list
+    owner: str  # the name of the object in whose list it is
+    key: int  # its index there
     place: Array  # (3,) in the world
     target: Array  # (3,) where it was asked to be; equal to place when it is there
     turned: Array  # (3,) the direction in the world that was u at rest, turned with the pin
@@ -144,8 +146,10 @@ _followed: set[int] = set()  # the objects that a drag is telling about
 def of_active(context: bpy.types.Context) -> Snapshot | None:
     """The active object's snapshot; None if it has no pins. Changes no data."""
     obj = context.object
-    if obj is None or not pin_list.has_pins(obj):
-        return None
+    return None if obj is None or not pin_list.has_pins(obj) else _of(obj)
+
+
+def _of(obj: bpy.types.Object) -> Snapshot:
     kept = _kept.get(obj.session_uid)
     if kept is None or obj.session_uid not in _followed:
         state = _state(obj)
@@ -160,6 +164,12 @@ def in_view(context: bpy.types.Context) -> Snapshot | None:
     """The active object's snapshot, as far as the view at hand shows the object; None where it is hidden."""
     obj = context.object
     return of_active(context) if obj is not None and obj.visible_get() else None
+
+
+def pins_in_view(context: bpy.types.Context) -> list[PinPlace]:
+    """The pins of all objects that take part, as far as the view at hand shows these."""
+    shown = (obj for obj in with_pins(context) if obj.visible_get())
+    return [pin for obj in shown for pin in _of(obj).pins]
 
 
 def follow(drawing: PosedObject, positions: Array, results: Iterable[PinResult]) -> None:
@@ -286,5 +296,9 @@ def _places(drawing: PosedObject, results: Iterable[PinResult]) -> tuple[PinPlac
         part = np.array([result.part, result.part], np.int32)
         place, target = drawing.to_world(np.array([result.reached, result.target]), part)
         turned = drawing.frame.lift(np.array([[np.cos(result.angle), np.sin(result.angle)]]))[0]
-        pins.append(PinPlace(result.key, place, target, turned, result.angle, result.reached_scale))
+        pins.append(
+            PinPlace(
+                drawing.object_name, result.key, place, target, turned, result.angle, result.reached_scale
+            )
+        )
     return tuple(pins)

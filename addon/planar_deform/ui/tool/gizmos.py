@@ -14,7 +14,7 @@ from ...model.plane.frame import Array
 from ...preferences import looks
 from ...scene.pins.pin_list import is_joint
 from ...scene.view import snapshot
-from ...scene.view.mouse import REACH, RING, Ring, on_ring, pin_under, pixels_to, ring_about
+from ...scene.view.mouse import REACH, RING, Ring, on_ring, pin_at, pin_under, pixels_to, ring_about
 from ...scene.view.snapshot import PinPlace
 from ..draw import marks
 from .tool_state import pose_tool_is_active
@@ -26,10 +26,10 @@ BESIDE_KNOB = 24.0  # pixels from the ring to the angle written beside it
 class PLANAR_GT_pin(bpy.types.Gizmo):
     bl_idname = "PLANAR_GT_pin"
 
-    __slots__ = ("all_marks", "key", "mark")
+    __slots__ = ("all_marks", "mark", "pressed")
     all_marks: list[PinPlace]  # where all pins of the view are
-    key: int  # the pin's index
     mark: PinPlace | None  # where it is now, if anywhere
+    pressed: bpy.types.OperatorProperties  # of what a press on it begins
 
     def test_select(self, context: bpy.types.Context, location: Sequence[float]) -> int:
         """Whether the mouse is on this pin and on no other one more closely."""
@@ -42,10 +42,10 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
         return -1 if any(nearer) else 0
 
     def draw(self, context: bpy.types.Context) -> None:
-        settings = context.object.planar
-        if self.mark is None or self.key >= len(settings.pins):
+        pin = None if self.mark is None else pin_at(self.mark)
+        if self.mark is None or pin is None:
             return
-        pin, mark = settings.pins[self.key], self.mark
+        mark, active = self.mark, context.object is not None and self.mark.owner == context.object.name
         region, view = context.region, context.region_data
         place = location_3d_to_region_2d(region, view, Vector(mark.place))
         if place is None:
@@ -54,7 +54,7 @@ class PLANAR_GT_pin(bpy.types.Gizmo):
         fill: marks.Colour = wanted.selected if pin.select else wanted.pin
         if not pin.enabled:
             fill = tuple(0.5 * (a + b) for a, b in zip(fill, marks.OFF, strict=True))
-        state = {"lit": self.is_highlight, "active": settings.active_pin == self.key}
+        state = {"lit": self.is_highlight, "active": active and pin.id_data.planar.active_pin == mark.key}
         with marks.pixels(region):
             target = location_3d_to_region_2d(region, view, Vector(mark.target))
             if target is not None and (target - place).length > SHOWN_GAP * scale:
@@ -120,7 +120,7 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
 
     def setup(self, context: bpy.types.Context) -> None:
         self.all_marks: list[PinPlace] = []
-        self.pins: list[PLANAR_GT_pin] = []
+        self.pins: dict[tuple[int, int], PLANAR_GT_pin] = {}  # by their object's session_uid and their index
         self.ring = self.gizmos.new(PLANAR_GT_ring.bl_idname)
         self.ring.all_marks = self.all_marks
         self.ring.target_set_operator("planar.rotate_pins").release_confirm = True
@@ -137,24 +137,30 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
         """A gizmo for each pin, where the pin is, and the ring. What is left over is hidden, not removed: the
         one under the mouse may be among them. While the timeline plays nothing is read for them: a large mesh
         would slow it down."""
-        seen = None if context.screen.is_animation_playing else snapshot.in_view(context)
-        self.all_marks[:] = [] if seen is None else seen.pins
-        found = {mark.key: mark for mark in self.all_marks}
-        while len(self.pins) <= max(found, default=-1):
-            gizmo = self.gizmos.new(PLANAR_GT_pin.bl_idname)
-            gizmo.key, gizmo.all_marks = len(self.pins), self.all_marks
-            gizmo.target_set_operator("planar.drag_pins").pin = gizmo.key
-            gizmo.use_draw_modal = True
-            self.pins.append(gizmo)
-        for gizmo in self.pins:
-            gizmo.mark = found.get(gizmo.key)
-            gizmo.hide = gizmo.mark is None
-            if gizmo.mark is not None:
-                gizmo.matrix_basis = Matrix.Translation(Vector(gizmo.mark.place))
-        self.ring.ring = ring = ring_about(context.object, self.all_marks) if self.all_marks else None
+        self.all_marks[:] = [] if context.screen.is_animation_playing else snapshot.pins_in_view(context)
+        found = {(bpy.data.objects[mark.owner].session_uid, mark.key): mark for mark in self.all_marks}
+        for number in found:
+            if number not in self.pins:
+                self.pins[number] = self._new(number[1])
+        for number, gizmo in self.pins.items():
+            gizmo.mark = mark = found.get(number)
+            gizmo.hide = mark is None
+            if mark is not None:
+                gizmo.matrix_basis = Matrix.Translation(Vector(mark.place))
+                if gizmo.pressed.object != mark.owner:
+                    gizmo.pressed.object = mark.owner
+        self.ring.ring = ring = ring_about(self.all_marks)
         self.ring.hide = ring is None
         if ring is not None:
             self.ring.matrix_basis = Matrix.Translation(Vector(ring.centre))
+
+    def _new(self, pin: int) -> PLANAR_GT_pin:
+        gizmo: PLANAR_GT_pin = self.gizmos.new(PLANAR_GT_pin.bl_idname)
+        gizmo.all_marks = self.all_marks
+        gizmo.pressed = gizmo.target_set_operator("planar.drag_pins")
+        gizmo.pressed.pin = pin
+        gizmo.use_draw_modal = True
+        return gizmo
 
 
 def _distance(context: bpy.types.Context, place: Array, mouse: Sequence[float]) -> float:
