@@ -179,7 +179,9 @@ def test_a_material_more_in_another_order_is_no_change(tmp_path):
         tree.nodes.new("ShaderNodeTexImage").image = image
     bpy.data.images["hero.png"].name = "Hero"
     assert not changed(obj)
-    repaint(path, letter())
+    art = letter()
+    art[:40, :20] = True
+    repaint(path, art)
     assert changed(obj)
 
 
@@ -232,3 +234,24 @@ def test_of_several_images_the_empty_one_is_told(tmp_path):
     with pytest.raises(RuntimeError, match=r"'b.png' cannot be cut out: all of it is transparent"):
         bpy.ops.planar.remesh(reload=True)
     assert stored(obj) == before
+
+
+def test_a_copied_project_has_the_same_images_until_one_is_painted_on(tmp_path):
+    obj, path = painted(tmp_path)
+    copied = path.read_bytes()
+    os.utime(path, (1, 1))
+    assert not changed(obj)
+    path.write_bytes(copied[:-9] + bytes(9))  # as large, and another picture
+    assert changed(obj)
+    path.write_bytes(copied)
+    assert not changed(obj)
+
+
+def test_a_state_without_a_digest_goes_by_the_time(tmp_path):
+    obj, path = painted(tmp_path)
+    obj.planar.image_state = obj.planar.image_state.replace(
+        obj.planar.image_state.split('"')[3], obj.planar.image_state.split('"')[3].rpartition("/")[0]
+    )
+    assert not changed(obj)
+    os.utime(path, (1, 1))
+    assert changed(obj)

@@ -8,7 +8,7 @@ material added, or the object appended to another file.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 
@@ -16,7 +16,7 @@ class ImageFile(NamedTuple):
     """One of them."""
 
     name: str  # without its folder
-    state: str  # differs once it has been written again; empty where there is no file
+    state: str  # differs once it is another file; empty where there is none; see recognised()
     width: int = 0  # in pixels; 0 where that is not known
     height: int = 0
 
@@ -31,6 +31,18 @@ def unpacked(text: str, names: Sequence[str]) -> list[ImageFile]:
     if text.startswith("["):
         return [ImageFile(*file) for file in json.loads(text)]
     return [ImageFile(name, state) for name, state in zip(names, text.split("|"), strict=False) if state]
+
+
+def recognised(state: str, kept: Iterable[str], digest: Callable[[], str]) -> str:
+    """The state among those `kept` that a file with a state "time/size" still has, else its own.
+
+    Those kept may have the `digest` of its bytes behind them, which tells that a copy is the same file.
+    """
+    alike = [other for other in kept if other.count("/") == 2 and other.split("/")[1] == state.split("/")[-1]]
+    same = [other for other in alike if other.startswith(f"{state}/")]
+    if not same and alike:
+        same = [other for other in alike if other.split("/")[2] == (digest() or None)]
+    return same[0] if same else state
 
 
 def is_changed(kept: Sequence[ImageFile], now: Sequence[ImageFile]) -> bool:

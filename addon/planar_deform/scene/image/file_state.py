@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an image's file was when a cutout was made of it, to tell that it has been painted on since."""
+"""What an image's file was when a cutout was made of it, to tell that it has been painted on since.
+
+A file that has been copied, unpacked or checked out has another time, so its bytes are kept as well. They are
+looked at again only where the time is another and the size is not; those of sequences never are.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterable
+from functools import partial
 from hashlib import sha1
 from pathlib import Path
 
@@ -21,13 +26,18 @@ LOOK = 1.0  # seconds between two looks at a file: panels ask in every redraw
 
 _seen: dict[str, tuple[float, str]] = {}  # by path: when it was looked at, and what it was
 _read: dict[str, str] = {}  # by the same: what the file was when it was read again
+_digests: dict[str, tuple[str, str]] = {}  # by the same: what the file was, and the digest of its bytes then
 
 
 def remember(obj: bpy.types.Object) -> None:
     """Keep what the files of an object's images are now: its mesh is of them."""
     _seen.clear()
     migration.migrate(obj)
-    obj.planar.image_state = image_files.packed(_files(obj, measured=True))
+    found = _files(obj, measured=True)
+    for image, file in found.items():
+        if image.source == "FILE" and file.state:
+            found[image] = file._replace(state=f"{file.state}/{_digest(path_of(image))}")
+    obj.planar.image_state = image_files.packed(found.values())
 
 
 def is_changed(obj: bpy.types.Object) -> bool:
@@ -35,12 +45,18 @@ def is_changed(obj: bpy.types.Object) -> bool:
     if not obj.planar.image_state:
         return False
     now = _files(obj)
-    return image_files.is_changed(_kept(obj, now), now)
+    kept = _kept(obj, now.values())
+    states = [file.state for file in kept]
+    for image, file in now.items():
+        if image.source == "FILE":
+            digest = partial(_digest, path_of(image))
+            now[image] = file._replace(state=image_files.recognised(file.state, states, digest))
+    return image_files.is_changed(kept, list(now.values()))
 
 
 def size_before(obj: bpy.types.Object, image: bpy.types.Image) -> tuple[int, int] | None:
     """The size that an image had when the mesh was made of it; None where that is not known."""
-    now = _files(obj)
+    now = _files(obj).values()
     return image_files.size_of(_kept(obj, now), now, path_of(image).name)
 
 
@@ -88,7 +104,7 @@ def _kept(obj: bpy.types.Object, now: Iterable[ImageFile]) -> list[ImageFile]:
     return image_files.unpacked(obj.planar.image_state, [file.name for file in now])
 
 
-def _files(obj: bpy.types.Object, *, measured: bool = False) -> list[ImageFile]:
+def _files(obj: bpy.types.Object, *, measured: bool = False) -> dict[bpy.types.Image, ImageFile]:
     """Not `measured`: without the sizes of sequences, for which a frame is read."""
     found: dict[bpy.types.Image, ImageFile] = {}
     for node in _textures(obj):
@@ -103,7 +119,7 @@ def _files(obj: bpy.types.Object, *, measured: bool = False) -> list[ImageFile]:
             states = [_of_file(path) for path in reading.frame_paths(image, node.image_user)]
             state = sha1("+".join(states).encode()).hexdigest() if any(states) else ""
             found[image] = ImageFile(name, state, *(_frame_size(image) if measured else (0, 0)))
-    return list(found.values())
+    return found
 
 
 def _frame_size(image: bpy.types.Image) -> tuple[int, int]:
@@ -126,7 +142,20 @@ def _of_file(path: Path) -> str:
     return found[1]
 
 
+def _digest(path: Path) -> str:
+    """Of the bytes of a file; empty where they cannot be read."""
+    state = _of_file(path)
+    if _digests.get(str(path), ("", ""))[0] != state:
+        try:
+            digest = sha1(path.read_bytes()).hexdigest()
+        except OSError:
+            digest = ""
+        _digests[str(path)] = state, digest
+    return _digests[str(path)][1]
+
+
 def forget() -> None:
     """Keep none."""
     _seen.clear()
     _read.clear()
+    _digests.clear()

@@ -1,7 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether the files of images are what they were."""
 
-from planar_deform.model.image.image_files import ImageFile, is_changed, joined, packed, size_of, unpacked
+from planar_deform.model.image.image_files import (
+    ImageFile,
+    is_changed,
+    joined,
+    packed,
+    recognised,
+    size_of,
+    unpacked,
+)
 
 BODY, ARM = ImageFile("body.png", "1/9", 40, 30), ImageFile("arm.png", "2/5", 8, 8)
 PAINTED = BODY._replace(state="7/9")
@@ -53,3 +61,20 @@ def test_older_files_kept_states_alone():
         ImageFile("paper.png", "4/4"),
     ]
     assert unpacked("", ["body.png"]) == []
+
+
+def test_a_copy_is_told_by_its_bytes_which_are_looked_at_only_where_the_size_is_the_same():
+    asked = []
+
+    def digest() -> str:
+        asked.append(1)
+        return "abc"
+
+    kept = ["1/9/abc", "2/5/def", "3/7"]
+    assert recognised("1/9", kept, digest) == "1/9/abc"
+    assert recognised("8/6", kept, digest) == "8/6"
+    assert recognised("8/7", kept, digest) == "8/7"
+    assert not asked
+    assert recognised("8/9", kept, digest) == "1/9/abc"
+    assert recognised("8/5", kept, digest) == "8/5"
+    assert recognised("8/9", kept, lambda: "") == "8/9"
