@@ -65,8 +65,8 @@ def attachments(
 
     Parts that lie on several hang on the one that they share most with; a layer between the two, told by the
     `depths` of the parts, counts as much as half of what they share: a hand before the tail does not hang on
-    it, but on the body. The legs of a pair, seen from the side, lie along each other and hang on one another only
-    where nothing else carries them. `joined`: parts that are already.
+    it, but on the body. The legs of a pair, seen from the side, lie along each other and hang on one another
+    only where nothing else carries them. `joined`: parts that are already.
     """
     layers = np.zeros(int(cutout.parts.max(initial=-1)) + 1)
     if depths is not None:
