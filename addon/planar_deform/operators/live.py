@@ -31,7 +31,10 @@ LOCK = (
     "the picture does not show what its pins follow. Turn on Lock Interface in the Render menu, render in "
     "background, or use Bake Pins"
 )
-LATTICE = "the picture does not show what the pins of this lattice follow: use Bake Pins"
+LATTICE = (
+    "the picture does not show what the pins of this lattice follow, as something else deforms its meshes "
+    "before it: use Bake Pins"
+)
 
 CLASSES = ()
 
@@ -130,7 +133,12 @@ def carry(depsgraph: bpy.types.Depsgraph) -> None:
 
 def _follows(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Take an object along with what carries it; whether it has been written."""
-    if obj.mode != "OBJECT" or snapshot.following(obj) or not obj.evaluated_get(depsgraph).is_evaluated:
+    if (
+        obj.mode != "OBJECT"
+        or obj.type == "LATTICE"
+        or snapshot.following(obj)
+        or not obj.evaluated_get(depsgraph).is_evaluated
+    ):
         return False
     try:
         if not _follow(obj, depsgraph):
