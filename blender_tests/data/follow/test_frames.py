@@ -2,6 +2,7 @@
 """Drawings with Live on, frame by frame: played, jumped to, rendered, whatever moves what is followed."""
 
 import bpy
+import carry_scenes
 import numpy as np
 import pytest
 from follow_scenes import (
@@ -348,6 +349,26 @@ def test_a_film_rendered_in_background_shows_it(tmp_path, poses):
     assert (wanted[1] ^ wanted[9]).sum() > 100, "the frames differ"
     for frame in masks:
         assert (masks[frame] ^ wanted[frame]).sum() < 0.06 * wanted[frame].sum()
+
+
+def test_what_a_drawing_carries_is_rendered_with_it(tmp_path):
+    carrier, obj = carry_scenes.body(), carry_scenes.lantern()
+    for one in (carrier, obj):
+        one.location.z = 2.2
+    carry_scenes.choose(obj, 0, 1)
+    carry_scenes.attach(obj, to=carrier)
+    for frame, angle in ((1, 0.0), (9, 0.7)):
+        bpy.context.scene.frame_set(frame)
+        carry_scenes.drag(carrier, 1, angle=angle)
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    wanted = {}
+    for frame in (1, 9):
+        bpy.context.scene.frame_set(frame)
+        wanted[frame] = covered(carrier, evaluated(carrier)) | covered(obj, evaluated(obj))
+    assert (wanted[1] ^ wanted[9]).sum() > 100, "the frames differ"
+    bpy.context.scene.frame_set(1)
+    for frame, mask in rendered(obj, tmp_path).items():
+        assert (mask ^ wanted[frame]).sum() < 0.06 * wanted[frame].sum()
 
 
 def test_what_is_disabled_in_renders_is_told_there(tmp_path, capsys):

@@ -33,12 +33,20 @@ from ..sequence import pose_state
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
 
 
-def solve(obj: bpy.types.Object, drawing: PosedObject, frame: float, depsgraph: bpy.types.Depsgraph) -> None:
+def solve(
+    obj: bpy.types.Object,
+    drawing: PosedObject,
+    frame: float,
+    depsgraph: bpy.types.Depsgraph,
+    *,
+    beside: bool = False,
+) -> None:
     """Show the object with its pins where what they follow wants them.
 
-    Raises Refusal, with nothing changed.
+    `beside`: while another object is dragged, whose solver goes on. Raises Refusal, with nothing changed.
     """
-    solving.halt()
+    if not beside:
+        solving.halt()
     pin_list.sync(obj)
     try:
         posing, shape = at_frame(obj, drawing, frame, depsgraph)
