@@ -357,9 +357,9 @@ def test_what_a_drawing_carries_is_rendered_with_it(tmp_path):
         one.location.z = 2.2
     carry_scenes.choose(obj, 0, 1)
     carry_scenes.attach(obj, to=carrier)
-    for frame, angle in ((1, 0.0), (9, 0.7)):
+    for frame, turn in ((1, 0.0), (9, 0.7)):
         bpy.context.scene.frame_set(frame)
-        carry_scenes.drag(carrier, 1, angle=angle)
+        carry_scenes.drag(carrier, 1, angle=turn)
         assert bpy.ops.planar.key_pose() == {"FINISHED"}
     wanted = {}
     for frame in (1, 9):
