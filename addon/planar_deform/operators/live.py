@@ -31,7 +31,10 @@ LOCK = (
     "the picture does not show what its pins follow. Turn on Lock Interface in the Render menu, render in "
     "background, or use Bake Pins"
 )
-LATTICE = "the picture does not show what the pins of this lattice follow: use Bake Pins"
+LATTICE = (
+    "the picture does not show what the pins of this lattice follow, as something else deforms its meshes "
+    "before it: use Bake Pins"
+)
 
 CLASSES = ()
 
@@ -130,7 +133,12 @@ def carry(depsgraph: bpy.types.Depsgraph) -> None:
 
 def _follows(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Take an object along with what carries it; whether it has been written."""
-    if obj.mode != "OBJECT" or snapshot.following(obj) or not obj.evaluated_get(depsgraph).is_evaluated:
+    if (
+        obj.mode != "OBJECT"
+        or obj.type == "LATTICE"
+        or snapshot.following(obj)
+        or not obj.evaluated_get(depsgraph).is_evaluated
+    ):
         return False
     try:
         if not _follow(obj, depsgraph):
@@ -228,7 +236,7 @@ def _go_on(obj: bpy.types.Object, stamp: str, frame: float, depsgraph: bpy.types
     drawing = read_posed(obj, unkeyed=True)
     if motion is None:
         motion = _Motion(obj.planar.followed, frame, drawing, pin_list.SavedResults(obj))
-    to_controls.solve(obj, drawing, frame, depsgraph)
+    to_controls.solve(obj, drawing, frame, depsgraph, beside=running.now() is not None)
     motion.left, motion.at, motion.modal = _state(obj), time.monotonic(), _held()
     _motions[obj.session_uid] = motion
 

@@ -314,6 +314,29 @@ def test_where_one_cannot_be_carried_nothing_is():
     assert not obj.planar.live
 
 
+def test_where_the_second_drawing_cannot_be_carried_the_first_keeps_its_carrier(pair):
+    carrier, obj = pair
+    other = strip("Other", 1.7, 0.2, pins="PATCH")
+    carrier.planar.pins[0].follow = other
+    last = strip("Last", 1.7, 0.4, pins="PATCH")
+    other.planar.pins[0].follow = last
+    groups = {one.name: one.vertex_groups.keys() for one in (carrier, other, last)}
+    offsets = [tuple(pin.follow_offset) for pin in obj.planar.pins]
+    activate(last)
+    for one in (obj, other, carrier):
+        one.select_set(True)
+        choose(one, 0, 1)
+    last.planar.pins[0].follow = other
+    assert last.planar.pins[0].follow is None, "that would be a circle"
+    bpy.context.view_layer.objects.active = carrier
+    with pytest.raises(RuntimeError, match="'(Body|Other)' follows '(Other|Last)' already: let go"):
+        bpy.ops.planar.attach_to()
+    assert {one.name: one.vertex_groups.keys() for one in (carrier, other, last)} == groups
+    assert [tuple(pin.follow_offset) for pin in obj.planar.pins] == offsets
+    assert {pin.follow for pin in obj.planar.pins} == {carrier}
+    goes_along(carrier, obj)
+
+
 def test_without_anything_to_carry_it_says_what_to_do():
     carrier = body()
     activate(carrier)

@@ -2,6 +2,7 @@
 """Drawings with Live on, frame by frame: played, jumped to, rendered, whatever moves what is followed."""
 
 import bpy
+import carry_scenes
 import numpy as np
 import pytest
 from follow_scenes import (
@@ -350,6 +351,26 @@ def test_a_film_rendered_in_background_shows_it(tmp_path, poses):
         assert (masks[frame] ^ wanted[frame]).sum() < 0.06 * wanted[frame].sum()
 
 
+def test_what_a_drawing_carries_is_rendered_with_it(tmp_path):
+    carrier, obj = carry_scenes.body(), carry_scenes.lantern()
+    for one in (carrier, obj):
+        one.location.z = 2.2
+    carry_scenes.choose(obj, 0, 1)
+    carry_scenes.attach(obj, to=carrier)
+    for frame, turn in ((1, 0.0), (9, 0.7)):
+        bpy.context.scene.frame_set(frame)
+        carry_scenes.drag(carrier, 1, angle=turn)
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    wanted = {}
+    for frame in (1, 9):
+        bpy.context.scene.frame_set(frame)
+        wanted[frame] = covered(carrier, evaluated(carrier)) | covered(obj, evaluated(obj))
+    assert (wanted[1] ^ wanted[9]).sum() > 100, "the frames differ"
+    bpy.context.scene.frame_set(1)
+    for frame, mask in rendered(obj, tmp_path).items():
+        assert (mask ^ wanted[frame]).sum() < 0.06 * wanted[frame].sum()
+
+
 def test_what_is_disabled_in_renders_is_told_there(tmp_path, capsys):
     obj, control = alive()
     control.hide_render = True
@@ -357,17 +378,62 @@ def test_what_is_disabled_in_renders_is_told_there(tmp_path, capsys):
     assert "'Control', which pin 'Pin.001' follows, is disabled in renders" in capsys.readouterr().out
 
 
-def test_a_lattice_is_not_followed_in_renders_which_is_told_once(tmp_path, capsys):
+def caged(*, poses=False):
+    """A drawing in a lattice, whose pin at the right follows a swinging Empty."""
     obj = imported()
     bpy.ops.planar.fit_lattice(resolution=(8, 6))
     cage = bpy.context.object
     for vertex in (26, 38):
         bpy.ops.planar.add_pin(location=held(obj, [vertex]), extend=True)
+    if poses:
+        for frame, offset in ((1, (0.0, 0.0)), (17, (0.0, 0.1))):
+            bpy.context.scene.frame_set(frame)
+            bpy.ops.planar.drag_pins(pin=0, offset=offset)
+            assert bpy.ops.planar.key_pose() == {"FINISHED"}
+        bpy.context.scene.frame_set(1)
+    bpy.ops.planar.select_pins(action="SELECT", pin=1)
     bpy.ops.planar.add_controls()
     swinging(cage.planar.pins[1].follow)
+    return obj, cage
+
+
+@pytest.mark.parametrize("poses", [False, True])
+def test_a_lattice_follows_in_every_frame_however_it_was_reached(poses):
+    obj, cage = caged(poses=poses)
+    offset = held(obj, TIP) - np.array(cage.planar.pins[1].follow.matrix_world.translation)
+    foot = held(obj, [26])
+    forward = film(obj, range(1, 18))
+    assert np.abs(forward[1] - forward[9]).max() > 0.1
+    for frame in (12, 9, 1, 17, 4):
+        bpy.context.scene.frame_set(frame)
+        np.testing.assert_allclose(evaluated(obj), forward[frame], atol=1e-5)
+        assert_at_control(obj, cage.planar.pins[1].follow, offset, TIP)
+    bpy.context.scene.frame_set(17)
+    assert held(obj, [26])[2] - foot[2] == pytest.approx(0.1 if poses else 0.0, abs=CLOSE)
+    cage.planar.live = False
+    bpy.context.scene.frame_set(1)
+    if poses:
+        np.testing.assert_allclose(held(obj, [26]), foot, atol=CLOSE)
+
+
+def test_a_lattice_is_followed_in_renders(tmp_path, capsys):
+    obj, _ = caged()
+    shapes = film(obj, (1, 9))
+    bpy.context.scene.frame_set(17)
+    masks = rendered(obj, tmp_path)
+    for frame, mask in masks.items():
+        wanted = covered(obj, shapes[frame])
+        assert (mask ^ wanted).sum() < 0.06 * wanted.sum()
+    assert "Live Is Not Rendered" not in capsys.readouterr().out
+
+
+def test_where_something_else_deforms_its_meshes_that_is_told_once(tmp_path, capsys):
+    obj, cage = caged()
+    obj.modifiers.new("Smooth", "SMOOTH")
+    obj.modifiers.move(len(obj.modifiers) - 1, 0)
     rendered(obj, tmp_path)
     said = capsys.readouterr().out
-    assert said.count("the picture does not show what the pins of this lattice follow: use Bake Pins") == 1
+    assert said.count("the picture does not show what the pins of this lattice follow, as something") == 1
     assert cage.planar.live
 
 

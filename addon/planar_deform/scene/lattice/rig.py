@@ -217,6 +217,17 @@ def once_deformed(
     return found
 
 
+def is_known(lattice: bpy.types.Object, *, posed: bool) -> bool:
+    """Whether what a lattice deforms can be read while Blender evaluates: nothing else deforms it before.
+
+    `posed`: nor do its own shape keys count, of which the data have the present frame.
+    """
+    return all(
+        not reaching.above(obj, modifier) and (posed or obj.data.shape_keys is None)
+        for obj, modifier in deformed(lattice)
+    )
+
+
 def is_hidden(obj: bpy.types.Object) -> bool:
     """Whether an object takes no part in what its lattice is posed by, as it is hidden in the view layer."""
     layer = bpy.context.view_layer

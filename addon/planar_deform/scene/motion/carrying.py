@@ -33,7 +33,8 @@ def carry(obj: bpy.types.Object, keys: Iterable[int], carrier: bpy.types.Object)
     """Let these pins of an object follow the places of a drawing that lie under them, from where they are.
 
     Pins beside the drawing go with the nearest one that lies on it; where none does, all of them go with the
-    place that is nearest to any. Raises Refusal, with nothing changed.
+    place that is nearest to any. What they followed before keeps its places: Before.tidy() takes these away.
+    Raises Refusal, with nothing changed.
     """
     pin_list.check_groups_of(carrier)
     reason = dependencies.refusal(obj, carrier, on_mesh=True)
@@ -56,7 +57,6 @@ def carry(obj: bpy.types.Object, keys: Iterable[int], carrier: bpy.types.Object)
         except Refusal:
             before.restore()
             raise
-    before.tidy()
 
 
 def let_go(obj: bpy.types.Object, keys: Iterable[int]) -> int:

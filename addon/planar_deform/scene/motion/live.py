@@ -14,10 +14,12 @@ from collections.abc import Iterator
 import bpy
 
 from ...errors import Refusal
+from ..lattice import rig
 from ..lattice.posed import posing_refusal, read_posed
 from ..objects import pose_store
 from ..pins import controls, dependencies, followed_mesh
 from ..sequence import pose_showing, pose_state
+from ..storage import points
 from . import to_controls
 
 _live: dict[int, str] = {}  # the names of objects with Live on, by session_uid
@@ -59,7 +61,7 @@ def switched(obj: bpy.types.Object) -> None:
     """Live has been turned on or off: the poses of an object play only where it is off."""
     note(obj)
     obj.planar.followed = ""  # the pins may have been anywhere since
-    if obj.type == "MESH" and pose_state.is_ours(obj) and pose_state.refusal(obj) is None:
+    if obj.type in points.TYPES and pose_state.is_ours(obj) and pose_state.refusal(obj) is None:
         pose_showing.let_play(obj, not obj.planar.live)
 
 
@@ -82,8 +84,8 @@ def is_paused() -> bool:
 def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     """After a change of the frame: let a drawing with Live on show what belongs to it.
 
-    Whether the frame shows that; not so where it must not be written now. What lattices deform follows later,
-    in no render. Raises Refusal and ObjectGone.
+    Whether the frame shows that; not so where it must not be written now. What a lattice deforms follows
+    later, in no render, where Blender alone can tell what reaches it. Raises Refusal and ObjectGone.
     """
     if (
         _paused
@@ -97,7 +99,7 @@ def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.ty
     stamp = controls.stamp(obj, frame, depsgraph)
     if not stamp or (stamp == obj.planar.followed and _shows_it(obj)):
         return True
-    if obj.type == "LATTICE":
+    if obj.type == "LATTICE" and not rig.is_known(obj, posed=depsgraph.mode == "VIEWPORT"):
         return bool(depsgraph.mode != "RENDER")
     if _is_drawn(scene, depsgraph):
         return False
@@ -122,7 +124,7 @@ def stands(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
 
 def _shows_it(obj: bpy.types.Object) -> bool:
     """Whether the frame has not shown a pose again."""
-    return obj.type == "LATTICE" or not pose_state.is_ours(obj) or pose_state.unkeyed(obj)
+    return not pose_state.is_ours(obj) or pose_state.unkeyed(obj)
 
 
 def _is_drawn(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:

@@ -13,7 +13,7 @@ from ...errors import Refusal
 from ...model.plane.segments import nearest_segment
 from ..lattice.posed import PosedObject
 from ..pins import controls
-from . import follow_offset
+from . import carrying, follow_offset
 
 # As the marks of pins: a disc for a point, a square, which shows its turn, for a patch.
 SHAPES = {"POINT": "CIRCLE", "PATCH": "CUBE"}
@@ -44,7 +44,7 @@ def add(obj: bpy.types.Object, drawing: PosedObject, keys: Iterable[int]) -> lis
             control.matrix_parent_inverse = obj.matrix_parent_inverse
         control.matrix_world = Matrix(matrix.tolist()) @ UPRIGHT
         with controls.given():
-            pin.follow, pin.follow_bone = control, ""
+            pin.follow, pin.follow_bone, pin.follow_group = control, "", ""
         added.append(control)
     bpy.context.view_layer.update()
     follow_offset.keep(obj, placed)
@@ -67,15 +67,16 @@ def follow_bones(
     heads, tails = (
         drawing.from_world(np.array([pair[end] for pair in ends], np.float64))[:, :2] for end in (0, 1)
     )
-    before = {key: (obj.planar.pins[key].follow, obj.planar.pins[key].follow_bone) for key in placed}
+    before = carrying.Before(obj, placed)
     with controls.given():
         for key, (at, _) in placed.items():
             place = drawing.from_world(at[None, :3, 3])[0, :2]
             pin = obj.planar.pins[key]
-            pin.follow, pin.follow_bone = rig, bones[nearest_segment(place, heads, tails)].name
+            pin.follow, pin.follow_group = rig, ""
+            pin.follow_bone = bones[nearest_segment(place, heads, tails)].name
         try:
             follow_offset.keep(obj, placed)
         except Refusal:
-            for key, (follow, bone) in before.items():
-                obj.planar.pins[key].follow, obj.planar.pins[key].follow_bone = follow, bone
+            before.restore()
             raise
+    before.tidy()

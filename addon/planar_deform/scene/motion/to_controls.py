@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pins taken to where what they follow wants them.
 
-A drawing always begins with the same shape: with what its poses show at the frame, or without poses with its
-rest. So what is shown depends on the frame and on where things are then, and not on what was shown before.
-What pins do not follow anything stand where they were asked to, with poses where these have them. What a
-lattice deforms goes on from the shape that is shown.
+A drawing, or a lattice, always begins with the same shape: with what its poses show at the frame, or without
+poses with its rest. So what is shown depends on the frame and on where things are then, and not on what was
+shown before. Pins that follow nothing stand where they were asked to, with poses where these have them.
 """
 
 from __future__ import annotations
@@ -34,20 +33,23 @@ from ..sequence import pose_state
 ALONG = 1e-6  # of a unit vector: a camera looks along the normal of a lattice's plane
 
 
-def solve(obj: bpy.types.Object, drawing: PosedObject, frame: float, depsgraph: bpy.types.Depsgraph) -> None:
+def solve(
+    obj: bpy.types.Object,
+    drawing: PosedObject,
+    frame: float,
+    depsgraph: bpy.types.Depsgraph,
+    *,
+    beside: bool = False,
+) -> None:
     """Show the object with its pins where what they follow wants them.
 
-    Raises Refusal, with nothing changed.
+    `beside`: while another object is dragged, whose solver goes on. Raises Refusal, with nothing changed.
     """
-    solving.halt()
+    if not beside:
+        solving.halt()
     pin_list.sync(obj)
     try:
-        if isinstance(drawing, CutoutObject):
-            posing, shape = at_frame(obj, drawing, frame, depsgraph)
-        else:
-            holders = pin_list.bound_pins(obj, drawing, pin_list.read_groups(obj))
-            posing, shape = followed(obj, drawing, holders, drawing.positions, depsgraph), None
-            posing.run()
+        posing, shape = at_frame(obj, drawing, frame, depsgraph)
     except native.SolveError as error:
         raise Refusal(str(error)) from error
     if shape is None:
@@ -59,7 +61,7 @@ def solve(obj: bpy.types.Object, drawing: PosedObject, frame: float, depsgraph: 
 
 def at_frame(
     obj: bpy.types.Object,
-    drawing: CutoutObject,
+    drawing: PosedObject,
     frame: float,
     depsgraph: bpy.types.Depsgraph,
     read_at: Array | None = None,
@@ -70,7 +72,8 @@ def at_frame(
     """
     groups = pin_list.read_groups(obj)
     holders = pin_list.bound_pins(obj, drawing, groups)
-    joints = joint_list.bound_joints(obj, drawing, groups)
+    cutout = isinstance(drawing, CutoutObject)
+    joints = joint_list.bound_joints(obj, drawing, groups) if cutout else []
     shown = pose_state.shape_at(obj, frame) if pose_state.is_ours(obj) else None
     begin = _rest(drawing, holders, joints) if shown is None else drawing.flattened(shown)
     standing = {}
@@ -102,8 +105,10 @@ def look_at_carriers(obj: bpy.types.Object, frame: float, depsgraph: bpy.types.D
             followed_mesh.wrote(carrier, drawing.coordinates(posing.positions) if shape is None else shape)
 
 
-def _rest(drawing: CutoutObject, holders: Sequence[Holder], joints: Sequence[Joint]) -> Array:
+def _rest(drawing: PosedObject, holders: Sequence[Holder], joints: Sequence[Joint]) -> Array:
     """The rest shape of all that pins hold and of what hangs on it; other parts stay where they are."""
+    if not isinstance(drawing, CutoutObject):
+        return drawing.flattened(drawing.rest_coordinates())
     held = hanging_on({holder.part for holder in holders if holder.pin.enabled}, joints)
     rest: Array = np.where(np.isin(drawing.parts, list(held))[:, None], drawing.rest, drawing.positions)
     return rest
