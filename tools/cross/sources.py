@@ -128,17 +128,12 @@ def suitesparse() -> None:
 
 
 def includes() -> None:
-    """Links to the installed headers of CGAL and boost, and one that an old glibc does not have."""
+    """Links to the installed headers of CGAL and boost."""
     folder = SOURCES / "include"
     folder.mkdir(parents=True, exist_ok=True)
     for name in ("CGAL", "boost"):
         if not (folder / name).is_symlink():
             (folder / name).symlink_to(Path("/usr/include") / name)
-    (folder / "sys").mkdir(exist_ok=True)
-    # CGAL asks by it whether there are other threads; zig's own stops the compiler where glibc is older.
-    answer = folder / "sys" / "single_threaded.h"
-    if not answer.exists():
-        answer.write_text("#pragma once\nconstexpr char __libc_single_threaded = 0;\n")
 
 
 def python_headers(release: str) -> None:
