@@ -24,7 +24,7 @@ OWN = Path(__file__).resolve().parents[1] / "tests" / "native" / "data"
 FURTHEST = 0.005  # of the diagonal
 JUMP = 1e-4  # of the diagonal: what a press may move that moves no pin
 # Vertices of the cage and, at least, of the characters, and poses: one of each character and those that are
-# known to be hard, and two as dense as one may be solved itself in a minute.
+# known to be hard, and two as dense as one may be solved itself in a minute. All of them: cage_poses.py.
 SETS = (
     (1500, 15_000, ("fox 0", "dragon 0", "elephant 0", "giraffe 0", "horse 4", "racoon 0", "racoon 1")),
     (CAGE, 50_000, ("fox 0", "racoon 1")),
@@ -36,7 +36,8 @@ worst and mean.
 shown: what the drag has come to on the cage, from where the mesh's own steps then take it. pin: of the worst
 vertex from the nearest pin. end: from the dense solver led along the same way, and settled. way: how far that
 one is from itself led there in one jump; where that is much, the pose has several minima beside each other
-(at a pin a fold falls this way or that), and neither is the one. press: what moves when the settled drawing,
+(at a pin a fold falls this way or that), and neither is the one; nor is the dense one where the drawing ends
+less distorted than it (dense, cage: mean area and angle). press: what moves when the settled drawing,
 stored as float32, is taken hold of by another object, and no pin moves. s: of the refinements."""
 TIMES = """\
 ms, medians: a square with three pins. build: the Poser; press: set_handles, reset to a stored pose and the
@@ -133,7 +134,7 @@ def compare(shape: Shape, pose: Pose, cage: int, conditions: Conditions) -> None
     text += f"   {end.max():6.2f} {end.mean():6.3f}   {way.max():6.2f} {way.mean():6.3f}  {press:6.3f}"
     text += f"   {known.area:6.3f} /{known.angle:6.3f} {found.area:6.3f} /{found.angle:6.3f}"
     print(f"{text} {found.flipped:5} {seconds:5.1f}", flush=True)
-    if way.max() <= 100 * FURTHEST:
+    if way.max() <= 100 * FURTHEST and found.area + found.angle >= known.area + known.angle:
         conditions.check(f"{pose.name}: {end.max():.2f} % from dense", end.max() <= 100 * FURTHEST)
     conditions.check(f"{pose.name}: a press moves {press:.3f} %", press <= 100 * JUMP)
     conditions.check(f"{pose.name}: {found.flipped} flips", found.flipped == 0)

@@ -185,6 +185,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._slider: Slider | None = None
+        self._x = event.mouse_x
         self._sliding = _Sliding(self._ways)
         running.start(self._sliding)
         put_up(context, KEYS, cursor="SCROLL_X")
@@ -235,7 +236,10 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def _look(self, context: bpy.types.Context, event: bpy.types.Event, wait: float) -> set[str]:
-        """Begin to slide where the mouse is once the way is solved, for which this waits so many seconds."""
+        """Begin to slide once the way is solved, for which this waits so many seconds.
+
+        The mouse counts from where it was when the operator began.
+        """
         if not self._sliding.work.wait(wait):
             if context.area is not None:
                 context.area.header_text_set(f"Breakdown: Solving {self._sliding.work.share:.0%}")
@@ -243,7 +247,8 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         self._sliding.work.result()
         self._sliding.solved()
         width = WIDTH * context.preferences.system.ui_scale
-        self._slider = Slider.begin(self._ways.start, event.mouse_x, width, overshoot=self.overshoot)
+        slider = Slider.begin(self._ways.start, self._x, width, overshoot=self.overshoot)
+        self._slider = slider.moved(event.mouse_x)
         return self._show(context)
 
     def _show(self, context: bpy.types.Context) -> set[str]:

@@ -152,7 +152,7 @@ def test_feet_of_a_drawing_that_is_solved_coarsely_stand_as_well(monkeypatch):
     obj = stepping()
     generate(obj)
     wanted = shown(obj, 7)
-    monkeypatch.setattr(planning, "cage_of", lambda _: 150)
+    monkeypatch.setattr(planning, "cage_of", lambda _: 60)
     generate(obj)
-    assert drift(obj, [0, 1])[0] <= STANDING
-    assert 0.0 < np.abs(shown(obj, 7) - wanted).max() < 0.05
+    assert drift(obj, [0, 1])[0] < 5e-4  # of the middle of four vertices, of which 60 say where they are
+    assert np.abs(shown(obj, 7) - wanted).max() > 0.0  # or there is no coarse mesh

@@ -7,6 +7,7 @@
 
 #include "base/diameter.h"
 #include "base/index.h"
+#include "cage/refinement.h"
 #include "inbetween/inbetween_input.h"
 #include "mesh/triangle_shape.h"
 #include "posing/upright_patches.h"
@@ -36,6 +37,18 @@ void add(std::map<int, double>& spot, const Cage& cage, int vertex) {
   spot[corner[2]] += place.second;
 }
 
+/// Vertices at pins of one handle.
+std::vector<int> single_points(const FramePins& pins) {
+  std::vector<int> result;
+  for (const PinRows& rows : pins.pins) {
+    if (rows.size() > 1) continue;
+    Eigen::Index corner = 0;
+    pins.handles.weights.row(rows[0]).maxCoeff(&corner);
+    result.push_back(pins.handles.vertices(rows[0], corner));
+  }
+  return result;
+}
+
 Spot spot_of(const std::map<int, double>& sums) {
   Spot result;
   for (const auto& [vertex, weight] : sums) result.push_back({vertex, weight});
@@ -45,13 +58,14 @@ Spot spot_of(const std::map<int, double>& sums) {
 }  // namespace
 
 std::unique_ptr<CarriedKeys> CarriedKeys::of(const std::vector<Points>& keys, EdgeGraph& graph,
-                                             const InbetweenOptions& options) {
+                                             const InbetweenOptions& options, const FramePins* pins) {
   if (!options.cage) return {};
   if (graph.triangles.rows() == 0) throw std::invalid_argument("cage: edges have none; triangles are needed");
   const Points& reference = options.rest.rows() == 0 ? keys[0] : options.rest;
   references_of(keys, options);
   std::optional<Coarse> coarse = coarse_for_cage(reference, graph.triangles, *options.cage);
   if (!coarse) return {};
+  if (pins) *coarse = refined_near(reference, *coarse, single_points(*pins));
   return std::make_unique<CarriedKeys>(keys, std::move(graph), options, reference, std::move(*coarse));
 }
 

@@ -18,10 +18,11 @@ namespace planar {
 /// the same way round in both keys are put right.
 class CarriedKeys {
  public:
-  /// None for what is solved as it is, see coarse_for_cage(); else the graph is taken.
-  /// \param keys to outlive the object
+  /// None for what is solved as it is, see coarse_for_cage(); else the graph is taken. The cage is refined
+  /// near pins that are single points. \param keys to outlive the object \param pins of the dense mesh, or
+  /// null
   static std::unique_ptr<CarriedKeys> of(const std::vector<Points>& keys, EdgeGraph& graph,
-                                         const InbetweenOptions& options);
+                                         const InbetweenOptions& options, const FramePins* pins);
 
   CarriedKeys(const std::vector<Points>& keys, EdgeGraph graph, const InbetweenOptions& options,
               const Points& reference, Coarse coarse);

@@ -32,11 +32,11 @@ struct Inbetweens::State {
     if (options.method != InbetweenMethod::midpoint) {
       throw std::invalid_argument("method: only midpoint can be sampled at any time");
     }
-    carrier = CarriedKeys::of(keys, graph, options);
+    std::unique_ptr<FramePins> pins;
+    if (options.pins.size() > 0) pins = std::make_unique<FramePins>(graph, keys, options);
+    carrier = CarriedKeys::of(keys, graph, options, pins.get());
     const EdgeGraph& own = carrier ? carrier->graph() : graph;
     const std::vector<Ties> ties = ties_of(own, keys, options, carrier.get());
-    std::unique_ptr<FramePins> pins;
-    if (options.pins.size() > 0) pins = std::make_unique<FramePins>(own, keys, options);
     if (carrier) {
       if (pins) carrier->carry(*pins);
       motion = std::make_unique<Motion>(carrier->keys(),

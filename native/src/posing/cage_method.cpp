@@ -162,13 +162,14 @@ void CageMethod::set(const HandleSet& set, const JointSet& joints, bool new_join
                                 joints.strength};
   if (new_joints || (made && joints.first.size() != 0)) on.method->set_joints(joints_on_cage);
   std::vector<char> held = held_by(on_cage.handles, joints_on_cage, on.mesh);
-  std::vector<char> pinned(at(rest_.rows()));
+  std::vector<char> stays(at(rest_.rows()));  // what has no handles
+  for (std::size_t v = 0; v < stays.size(); ++v) {
+    const int triangle = on.cage.places[v].triangle;
+    stays[v] = triangle < 0 || !held[at(on.mesh.part[at(on.cage.triangles(triangle, 0))])];
+  }
+  std::vector<char> pinned = stays;
   for (const Handles* handles : {&set.handles, &joints.first, &joints.second}) {
     for (const int v : handles->vertices.reshaped()) pinned[at(v)] = 1;
-  }
-  for (std::size_t v = 0; v < pinned.size(); ++v) {  // what has no handles stays
-    const int triangle = on.cage.places[v].triangle;
-    if (triangle < 0 || !held[at(on.mesh.part[at(on.cage.triangles(triangle, 0))])]) pinned[v] = 1;
   }
   on.method->set_handles(on_cage);
   if (made) {
@@ -181,6 +182,7 @@ void CageMethod::set(const HandleSet& set, const JointSet& joints, bool new_join
   if (new_joints) polish_.reset();
   if (polish_) polish_->set_handles(handles_);
   coarse_settled_ = false;
+  stays_ = std::move(stays);
   pinned_ = std::move(pinned);
   cage_handles_ = std::move(on_cage.handles);
   held_ = std::move(held);
@@ -340,6 +342,13 @@ void CageMethod::polish(Polish action, const Points& targets, Points& x, Report&
   if (!polish_) {
     polish_ = std::make_unique<DensePolish>(rest_, orientation_, stiffness_, joints_);
     polish_->set_handles(handles_);
+  }
+  if (orientation_.count_flipped(x) > 0) {
+    // Descents turn nothing over, so they may never turn it back. Pins, where it mostly is, make way: a
+    // descent brings them back.
+    std::vector<int> all(at(orientation_.triangles().rows()));
+    std::iota(all.begin(), all.end(), 0);
+    turn_upright(rest_, orientation_, centre_, stiffness_, stays_, all, x);
   }
   Report done;
   (polish_.get()->*action)(targets, progress(), x, done);

@@ -111,7 +111,8 @@ class CageMethod final : public PosingMethod {
   HandleSet handles_;
   JointSet joints_;
   Handles cage_handles_;
-  std::vector<char> pinned_;  ///< n: vertices of handles, and of parts without
+  std::vector<char> stays_;   ///< n: vertices of parts without handles
+  std::vector<char> pinned_;  ///< n: these, and vertices of handles
   std::vector<char> held_;    ///< by part of the cage: it, or what hangs together with it, has handles
 };
 
