@@ -3,7 +3,7 @@
 # seconds.
 PYTHON := .venv/bin/python
 .DEFAULT_GOAL := help
-.PHONY: help demo test matrix nightly lint bench extension docs
+.PHONY: help demo test matrix nightly lint bench extension repository release docs
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -38,6 +38,14 @@ EXTENSION_SOURCES := $(shell find addon native CMakeLists.txt pyproject.toml LIC
 dist/.built-%: $(EXTENSION_SOURCES)
 	@tools/build_extension.sh $*
 	@touch $@
+
+repository: extension ## dist/repository/, for any web server: Blender installs and updates from it
+	@tools/setup.sh demo
+	@$(PYTHON) tools/build_repository.py
+
+release: ## Check that all states one version, and build what is to be published in dist/repository/
+	@tools/setup.sh demo
+	@$(PYTHON) tools/release.py
 
 docs: ## The pictures of the docs pages
 	@tools/setup.sh demo

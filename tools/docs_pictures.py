@@ -130,6 +130,24 @@ def released(window: Any) -> Iterator[None]:
     yield from window.settled()
 
 
+def test_where_to_install(window: Any) -> Iterator[None]:
+    """The menu of Get Extensions; the preferences take the place of the 3D view."""
+    yield from large_view(window)
+    area = window.area
+    area.type = "PREFERENCES"
+    bpy.context.preferences.active_section = "EXTENSIONS"
+    yield from window.wait(1.0)
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    right, top = region.x + region.width, region.y + region.height
+    yield from window.click((right - 19, top - 19))  # the arrow
+    yield from window.wait(0.5)
+    yield from window.move((right - 60, top - 142), steps=4)
+    yield from window.wait(0.5)
+    save("install", shot(window, "install"), crop="1280x330+0+0")
+    yield from window.key("ESC")
+    area.type = "VIEW_3D"
+
+
 def test_the_first_shot(window: Any) -> Iterator[None]:
     """The shot that is a test of the window, too."""
     yield from first_shot.on_stage(window)

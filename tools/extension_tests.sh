@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Installs, uses and uninstalls the built extension: in the .venv's bpy, in another version of it, or in the Blender of
-# a Debian room.
+# a Debian room. In one of them the farm's jobs run, too.
 # usage: tools/extension_tests.sh [BPY_VERSION|trixie|sid]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,6 +9,10 @@ make --silent extension PLATFORM=linux
 tests=blender_tests/packaging/run.py
 case ${1:-} in
     '') exec .venv/bin/python $tests ;;
-    trixie | sid) exec tools/room.sh "$1" python3 $tests --blender /usr/bin/blender ;;
+    trixie)
+        tools/room.sh trixie tools/venv.sh build/farm farm.txt
+        exec tools/room.sh trixie build/farm/bin/python $tests --blender /usr/bin/blender --farm
+        ;;
+    sid) exec tools/room.sh sid python3 $tests --blender /usr/bin/blender ;;
     *) exec tools/with_bpy.sh "$1" $tests ;;
 esac

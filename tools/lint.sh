@@ -35,6 +35,7 @@ cmake -S . -B build/lint -DPLANAR_PYTHON=ON -DCMAKE_INTERPROCEDURAL_OPTIMIZATION
 tidy() { xargs -r -n 1 -P "$(nproc)" clang-tidy --quiet -p build/lint <<<"$compiled"; }
 check "clang-tidy of $(wc -w <<<"$compiled") sources" tidy
 check imports .venv/bin/python tools/check_imports.py
+check versions .venv/bin/python tools/release.py --check
 check includes python3 tools/check_includes.py
 check ruff "$ruff" check --no-cache .
 check ruff-format "$ruff" format --no-cache --check .

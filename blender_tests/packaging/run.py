@@ -3,6 +3,7 @@
 """Install the built extension as a user does, use it, disable it, uninstall it; nothing may be left behind.
 
     python3 blender_tests/packaging/run.py --blender /usr/bin/blender    by Blender's command line
+    build/farm/bin/python ... --blender /usr/bin/blender --farm          and the jobs of examples/farm
     .venv/bin/python blender_tests/packaging/run.py                      by the operators of this Python's bpy
 
 Blender runs with a home of its own, each step in a new process, as after a restart. A planar_native that this
@@ -11,112 +12,13 @@ passed.
 """
 
 import argparse
-import json
 import shutil
-import subprocess
 import sys
-import sysconfig
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-PROJECT = Path(__file__).resolve().parents[2]
-STEPS = Path(__file__).with_name("steps.py")
-MODULE = "bl_ext.user_default.planar_deform"
-
-
-class Blender:
-    """A Blender with a home of its own: the program `path`, or the bpy module when that is None."""
-
-    def __init__(self, path: str | None, work: Path) -> None:
-        self.home = work / "home"
-        self.cwd = work / "cwd"
-        packages = work / "packages"
-        for folder in (self.home, self.cwd, packages, work / "tmp"):
-            folder.mkdir()
-        self.environment = {
-            "HOME": str(self.home),
-            "TMPDIR": str(work / "tmp"),
-            "PATH": "/usr/bin:/bin",
-            "LANG": "C.UTF-8",
-        }
-        if path is None:
-            for entry in Path(sysconfig.get_path("purelib")).iterdir():
-                if not entry.name.startswith(("planar_", "__pycache__")):
-                    (packages / entry.name).symlink_to(entry)
-            self.environment["PYTHONPATH"] = str(packages)
-            self.program = [sys.executable, "-S", str(STEPS), "--"]
-            self.command_line = None
-            (tool,) = packages.glob("bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
-            self.validator = [sys.executable, str(tool), "validate"]
-        else:
-            self.program = [path, "--background", "--python-exit-code", "1", "--python", str(STEPS), "--"]
-            self.command_line = [path, "--command", "extension"]
-            self.validator = [*self.command_line, "validate"]
-
-    def call(self, command: Sequence[str]) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            command,
-            cwd=self.cwd,
-            env=self.environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=300,
-            check=False,
-        )
-
-    def run(self, *command: str) -> str:
-        result = self.call(command)
-        if result.returncode or "Traceback" in result.stdout:
-            raise AssertionError(f"{' '.join(command)}: exit code {result.returncode}\n{result.stdout}")
-        return result.stdout
-
-    @property
-    def batch_forms(self) -> tuple[str, ...]:
-        return ("module",) if self.command_line is None else ("command", "expression")
-
-    def batch(self, form: str, file: str, *arguments: str) -> tuple[int, str]:
-        """The exit code of the headless command, called as its page tells, and what it printed."""
-        if form == "module":
-            return self.step("batch", file, *arguments), ""
-        command = [self.program[0], "-b", file]
-        if form == "command":
-            command += ["--command", "planar", *arguments]
-        else:
-            expression = f"from {MODULE} import batch; batch.main()"
-            command += ["--python-exit-code", "1", "--python-expr", expression, "--", *arguments]
-        result = self.call(command)
-        return result.returncode, result.stdout
-
-    def step(self, *step: str) -> Any:
-        output = self.run(*self.program, *step)
-        (line,) = (line for line in output.splitlines() if line.startswith("RESULT "))
-        return json.loads(line.removeprefix("RESULT "))
-
-    def install(self, archive: Path) -> dict:
-        """What is registered then: after a restart, where Blender starts with what its user enabled."""
-        if self.command_line is None:
-            return self.step("install", str(archive))
-        self.run(*self.command_line, "install-file", "-r", "user_default", "--enable", str(archive))
-        return self.step("look")
-
-    def uninstall(self) -> None:
-        if self.command_line is None:
-            self.step("uninstall")
-        else:
-            self.run(*self.command_line, "remove", "planar_deform")
-
-    def files(self) -> set[Path]:
-        folders = (self.home, self.cwd, Path(self.environment["TMPDIR"]))
-        return {path for folder in folders for path in folder.rglob("*") if not path.is_dir()}
-
-
-def check(condition: bool, message: str) -> None:
-    if not condition:
-        raise AssertionError(message)
+from installed import MODULE, PROJECT, Blender, check
 
 
 def is_ours(path: Path) -> bool:
@@ -192,9 +94,26 @@ def check_uninstalled(blender: Blender) -> None:
     check(not files, f"left on disk after uninstalling: {files[:5]}")
 
 
+def farm_steps() -> dict[str, Callable[[Blender], None]]:
+    import farm  # whose libraries are not everywhere
+
+    return {
+        "runs a job by its Open Job Description, one task an object": farm.check_openjd,
+        "has a Flamenco job type with the same commands": farm.check_flamenco,
+    }
+
+
+def window_steps(archive: Path) -> dict[str, Callable[[Blender], None]]:
+    import repository
+
+    title = "is installed, updated and removed from a repository, in the window"
+    return {title: lambda blender: repository.check_repository(blender, archive)}
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="Packaging tests of Planar Deform.")
     parser.add_argument("--blender", help="a Blender 4.2 or newer (default: the bpy of this Python)")
+    parser.add_argument("--farm", action="store_true", help="run the jobs of examples/farm, too (farm.txt)")
     options = parser.parse_args()
     archives = sorted(
         (PROJECT / "dist").glob("planar_deform-*-linux_x64.zip"), key=lambda path: path.stat().st_mtime
@@ -206,8 +125,10 @@ def main() -> int:
         "is valid, installs and is enabled": lambda blender: check_installed(blender, archives[-1]),
         "drags a pin with its own module": check_drag,
         "generates and bakes without a window, with exit codes": check_batch,
+        **(farm_steps() if options.farm else {}),
         "leaves nothing registered when disabled": check_disabled,
         "leaves no file when uninstalled": check_uninstalled,
+        **(window_steps(archives[-1]) if options.blender else {}),
     }
     passed = failed = 0
     with tempfile.TemporaryDirectory(prefix="planar-packaging-") as name:

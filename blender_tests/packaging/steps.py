@@ -110,9 +110,22 @@ def drag():
 
 def shot(path):
     """A file with a bar that is posed at three frames, for the headless command."""
-    mesh = bpy.data.meshes.new("Bar")
+    bar = posed_bar("Bar")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    return len(bar.planar.poses)
+
+
+def show(path, count):
+    """A file with so many of them, for a farm."""
+    for number in range(int(count)):
+        posed_bar(f"Bar {number + 1}")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+
+
+def posed_bar(name):
+    mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)], [], [(0, 1, 2, 3)])
-    bar = bpy.data.objects.new("Bar", mesh)
+    bar = bpy.data.objects.new(name, mesh)
     bpy.context.collection.objects.link(bar)
     bpy.context.view_layer.objects.active = bar
     scene = bpy.context.scene
@@ -123,8 +136,25 @@ def shot(path):
         if offset:
             bpy.ops.planar.drag_pins(offset=(offset, 0.0))
         bpy.ops.planar.key_pose()
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    return len(bar.planar.poses)
+    return bar
+
+
+def played(path):
+    """By how much that which a point cache plays moves from frame 1 to 5, of each object that has one."""
+    bpy.ops.wm.open_mainfile(filepath=path)
+    caches = [obj for obj in bpy.data.objects if any(m.type == "MESH_CACHE" for m in obj.modifiers)]
+    places = {}
+    for frame in (1, 5):
+        bpy.context.scene.frame_set(frame)
+        graph = bpy.context.evaluated_depsgraph_get()
+        places[frame] = [obj.evaluated_get(graph).data.vertices[1].co.copy() for obj in caches]
+    return {obj.name: (b - a).length for obj, a, b in zip(caches, places[1], places[5], strict=True)}
+
+
+def evaluate(path, expression):
+    """What Flamenco's add-on makes of a setting of a job type when it is submitted from an open file."""
+    bpy.ops.wm.open_mainfile(filepath=path)
+    return eval(expression, {}, {"bpy": bpy, "C": bpy.context, "Path": Path})
 
 
 def batch(path, *arguments):
@@ -152,7 +182,7 @@ def uninstall():
 
 if __name__ == "__main__":
     step, *arguments = sys.argv[sys.argv.index("--") + 1 :]
-    if not bpy.app.binary_path and step in ("drag", "shot", "batch", "disable"):
+    if not bpy.app.binary_path and step in ("drag", "shot", "show", "batch", "disable"):
         # A module starts with factory settings, where the program has what its user enabled.
         import addon_utils
 

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender with a home of its own, in which the extension is installed as a user does it."""
+
+import json
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+PROJECT = Path(__file__).resolve().parents[2]
+STEPS = Path(__file__).with_name("steps.py")
+MODULE = "bl_ext.user_default.planar_deform"
+
+
+class Blender:
+    """A Blender with a home of its own: the program `path`, or the bpy module when that is None."""
+
+    def __init__(self, path: str | None, work: Path) -> None:
+        self.home = work / "home"
+        self.cwd = work / "cwd"
+        packages = work / "packages"
+        for folder in (self.home, self.cwd, packages, work / "tmp"):
+            folder.mkdir()
+        self.environment = {
+            "HOME": str(self.home),
+            "TMPDIR": str(work / "tmp"),
+            "PATH": "/usr/bin:/bin",
+            "LANG": "C.UTF-8",
+            "LIBGL_ALWAYS_SOFTWARE": "1",
+        }
+        if path is None:
+            for entry in Path(sysconfig.get_path("purelib")).iterdir():
+                if not entry.name.startswith(("planar_", "__pycache__")):
+                    (packages / entry.name).symlink_to(entry)
+            self.environment["PYTHONPATH"] = str(packages)
+            self.program = [sys.executable, "-S", str(STEPS), "--"]
+            self.command_line = None
+            (tool,) = packages.glob("bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+            self.validator = [sys.executable, str(tool), "validate"]
+        else:
+            self.program = [path, "--background", "--python-exit-code", "1", "--python", str(STEPS), "--"]
+            self.command_line = [path, "--command", "extension"]
+            self.validator = [*self.command_line, "validate"]
+
+    def call(self, command: Sequence[str], timeout: float = 300) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            command,
+            cwd=self.cwd,
+            env=self.environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=timeout,
+            check=False,
+        )
+
+    def run(self, *command: str) -> str:
+        result = self.call(command)
+        if result.returncode or "Traceback" in result.stdout:
+            raise AssertionError(f"{' '.join(command)}: exit code {result.returncode}\n{result.stdout}")
+        return result.stdout
+
+    @property
+    def batch_forms(self) -> tuple[str, ...]:
+        return ("module",) if self.command_line is None else ("command", "expression")
+
+    def batch(self, form: str, file: str, *arguments: str) -> tuple[int, str]:
+        """The exit code of the headless command, called as its page tells, and what it printed."""
+        if form == "module":
+            return self.step("batch", file, *arguments), ""
+        command = [self.program[0], "-b", file]
+        if form == "command":
+            command += ["--command", "planar", *arguments]
+        else:
+            expression = f"from {MODULE} import batch; batch.main()"
+            command += ["--python-exit-code", "1", "--python-expr", expression, "--", *arguments]
+        result = self.call(command)
+        return result.returncode, result.stdout
+
+    def step(self, *step: str) -> Any:
+        output = self.run(*self.program, *step)
+        (line,) = (line for line in output.splitlines() if line.startswith("RESULT "))
+        return json.loads(line.removeprefix("RESULT "))
+
+    def install(self, archive: Path) -> dict:
+        """What is registered then: after a restart, where Blender starts with what its user enabled."""
+        if self.command_line is None:
+            return self.step("install", str(archive))
+        self.run(*self.command_line, "install-file", "-r", "user_default", "--enable", str(archive))
+        return self.step("look")
+
+    def uninstall(self) -> None:
+        if self.command_line is None:
+            self.step("uninstall")
+        else:
+            self.run(*self.command_line, "remove", "planar_deform")
+
+    def files(self) -> set[Path]:
+        folders = (self.home, self.cwd, Path(self.environment["TMPDIR"]))
+        return {path for folder in folders for path in folder.rglob("*") if not path.is_dir()}
+
+
+def check(condition: bool, message: str) -> None:
+    if not condition:
+        raise AssertionError(message)

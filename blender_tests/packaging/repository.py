@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's window adds our repository from a web server on this machine, installs, updates and removes."""
+
+import contextlib
+import functools
+import html
+import http.server
+import re
+import shutil
+import sys
+import threading
+import urllib.parse
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from installed import PROJECT, Blender, check
+
+sys.path.insert(0, str(PROJECT / "tools"))
+import build_repository
+
+SCREEN = ("xvfb-run", "-a", "-s", "-screen 0 1280x800x24")
+WINDOW = ("--enable-event-simulate", "--window-geometry", "0", "0", "1280", "800", "--python-exit-code", "1")
+STEPS = Path(__file__).with_name("window_steps.py")
+BEFORE = "0.0.1"
+
+
+def packed_as(archive: Path, version: str, folder: Path) -> Path:
+    """The same extension as another version."""
+    manifest = build_repository.MANIFEST
+    now = build_repository.manifest_of(archive)["version"]
+    target = folder / archive.name.replace(f"-{now}-", f"-{version}-")
+    with zipfile.ZipFile(archive) as source, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as copy:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == manifest:
+                line = f'\nversion = "{now}"\n'
+                check(line in content.decode(), f"{manifest} has no line {line!r}")
+                content = content.decode().replace(line, f'\nversion = "{version}"\n').encode()
+            copy.writestr(name, content)
+    return target
+
+
+@contextlib.contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """The address of a web server that offers a folder, and no more than any other does."""
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=str(folder))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}/"
+        finally:
+            server.shutdown()
+
+
+def dragged(folder: Path, address: str) -> str:
+    """What a browser hands to Blender when the picture on the repository's page is dropped there."""
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    links = re.findall(r'class="archive" href="([^"]+)"', page)
+    (link,) = (link for link in links if "platforms=linux-x64" in link)
+    return urllib.parse.urljoin(address, html.unescape(link))
+
+
+def check_repository(blender: Blender, archive: Path) -> None:
+    work = blender.cwd / "repository"
+    work.mkdir()
+    assert blender.command_line is not None
+    generate = [*blender.command_line, "server-generate"]
+    now = build_repository.manifest_of(archive)["version"]
+    build_repository.build([archive], work / "now", generate)
+    build_repository.build([packed_as(archive, BEFORE, work)], work / "before", generate)
+    live = work / "served"
+    live.symlink_to(work / "before")
+    before = blender.files()
+    with served(live) as address:
+        steps = [dragged(live, address), str(live), str(work / "now"), BEFORE, now]
+        command = [*SCREEN, blender.program[0], *WINDOW, "--python", str(STEPS), "--", *steps]
+        result = blender.call(command, timeout=900)
+    check(result.returncode == 0, f"exit code {result.returncode}\n{result.stdout}")
+    check("REMOVED" in result.stdout, f"not gone through\n{result.stdout}")
+    check("Traceback" not in result.stdout, result.stdout)
+    left = [path for path in blender.files() - before if "planar" in path.name]
+    check(not left, f"left on disk after the removal: {left[:5]}")
+    shutil.rmtree(work)
