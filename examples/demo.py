@@ -2,7 +2,7 @@
 """Draws three characters, pins and poses them in Blender with the add-on's operators, and renders them.
 
 One of them is posed by each method, to compare them. Poses are keyed on the timeline, the frames between them
-are generated, and films of them are rendered: two act on a stage, the third, of eight layers, walks. Lattices
+are generated, and films of them are rendered: two act on a stage, the third, of seven layers, walks. Lattices
 bend several objects and a model, and a surface is laid flat.
 
 Run by `make demo`. Writes out/demo.blend, out/contact_sheet.png, the films out/demo.mp4 and out/walk.mp4, and
@@ -157,7 +157,7 @@ def run(pictures: Path | None) -> None:
         bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), compress=True)
     if pictures:
         images |= {"contact_sheet": sheet, "film": film_sheet, "walk": walk_sheet}
-        images["character_layers"] = contact_sheet.sheet("Eight drawings", on_the_way[:1])
+        images["character_layers"] = contact_sheet.sheet("Seven layers and a lantern", on_the_way[:1])
         images["character_poses"] = contact_sheet.sheet("Hung together, and a step of it", on_the_way[1:])
         images["cutouts"] = contact_sheet.sheet("Outlines and meshes", outline_sheet.rows(cutout.DRAWINGS))
         images["fox"] = contact_sheet.sheet("Four layers, seventeen pins", rows[:1])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lamplighter, a mouse seen from the side: eight layers that hang together, one of them its lantern."""
+"""The lamplighter, a mouse seen from the side: seven layers that hang together, and its lantern."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ CAP: Colour = (62, 98, 160)
 BRASS: Colour = (206, 150, 64)
 GLOW: Colour = (255, 226, 120)
 
-HAND = (1.06, 1.70)  # of the far arm, by which the lantern hangs
+HAND = (1.06, 1.70)  # of the far arm
+HANDLE = (1.06, 1.76)  # what the lantern hangs by
 FAR = 0.13  # how far the far leg stands before the near one
 
 
@@ -28,7 +29,6 @@ def layers() -> list[Layer]:
     """The mouse from back to front, standing on z = 0 and looking to the right, four units tall."""
     return [
         _tail(),
-        _lantern(),
         _far_arm(),
         _leg("Far Leg", 0.12, FAR),
         _leg("Near Leg", 0.06, 0.0),
@@ -38,8 +38,9 @@ def layers() -> list[Layer]:
     ]
 
 
-def _lantern() -> Layer:
-    layer = Layer("Lantern", depth=0.24)
+def lantern() -> Layer:
+    """The lantern as it hangs from the far hand, behind it."""
+    layer = Layer("Lantern", depth=0.21)
     x, z = HAND
     ring = ellipse(x, z - 0.10, 0.19, 0.21).difference(ellipse(x, z - 0.10, 0.135, 0.155))
     layer.fill(ring, BRASS, shade=0.03)
@@ -67,7 +68,7 @@ def _lantern() -> Layer:
 
 
 def _tail() -> Layer:
-    layer = Layer("Tail", depth=0.30)
+    layer = Layer("Tail", depth=0.24)
     points = [(-0.02, 1.34), (-0.46, 1.02), (-0.98, 0.88), (-1.38, 1.10), (-1.52, 1.50), (-1.36, 1.80)]
     layer.fill(limb(points, (0.095, 0.085, 0.07, 0.058, 0.046, 0.034)), PINK, shade=0.035)
     for x, z in ((-0.62, 0.95), (-0.80, 0.905), (-0.98, 0.895), (-1.16, 0.965)):
@@ -256,7 +257,6 @@ PINS = (
     PinPlan("Near Toe", "Near Leg", (0.35, 0.07), "Near Heel"),
     PinPlan("Far Elbow", "Far Arm", (0.50, 1.60), "Chest"),
     PinPlan("Far Hand", "Far Arm", HAND, "Far Elbow", radius=0.10),
-    PinPlan("Lantern", "Lantern", (HAND[0], HAND[1] - 0.60), "Far Hand", radius=0.17),
     PinPlan("Near Elbow", "Near Arm", (-0.13, 1.52), "Chest"),
     PinPlan("Near Hand", "Near Arm", (0.02, 1.04), "Near Elbow", radius=0.09),
     PinPlan("Tail Middle", "Tail", (-0.98, 0.88), "Hips"),

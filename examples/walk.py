@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mouse import FAR, HAND, PINS
+from mouse import FAR, PINS
 
 Place = np.ndarray  # (2,)
 
@@ -49,7 +49,6 @@ LIMBS = (
     *_leg("Near", 0.0),
     Limb("Far Upper Arm", "Chest", (0.16, 1.97), ("Far Elbow",)),
     Limb("Far Forearm", "Far Upper Arm", (0.50, 1.60), ("Far Hand",)),
-    Limb("Lantern", "Far Forearm", (HAND[0], HAND[1] - 0.04), ("Lantern",)),
     Limb("Near Upper Arm", "Chest", (-0.01, 1.92), ("Near Elbow",)),
     Limb("Near Forearm", "Near Upper Arm", (-0.13, 1.52), ("Near Hand",)),
     Limb("Tail", "Hips", (-0.03, 1.34), ("Tail Middle",)),
@@ -73,7 +72,7 @@ BOOT: tuple[tuple[float, str | tuple[float, float]], ...] = (
 
 @dataclass(frozen=True)
 class Moment:
-    """A pose of the walk: how far the drawing has gone from rest, and its limbs are turned, in radians."""
+    """A pose of the walk: how far the drawing has gone from rest, and by how many radians what is turned."""
 
     name: str
     shift: Place

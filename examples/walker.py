@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 from PIL import Image
 
 import attached
@@ -41,6 +41,7 @@ BEND, SWING = (-0.10, 3.42), (8.0, -14.0, -7.0, 12.0)
 GLOW = 1.25  # half as wide as the light
 CELL = View.around(-0.1, -0.3, 4.5, 290, 330)  # of the pictures, about where the walker is
 GROUND = (196, 190, 214)
+SMALL = 48.0  # pixels for a unit of what shows the layers
 
 Cell = tuple[str, str, Image.Image]  # label, note, picture
 
@@ -63,14 +64,14 @@ def perform(with_pictures: bool) -> list[list[Cell]]:
     keyed = time.perf_counter()
     bpy.ops.planar.generate_inbetweens()
     filled = time.perf_counter()
+    _swing(obj, plan)
     if with_pictures:
         for number, moment in enumerate(plan[: len(walk.NAMES)]):
             scene.frame_set(1 + APART * number)
             rows[1].append((moment.name[:-2], f"frame {scene.frame_current}", _picture(obj, moment.shift[0])))
-    _swing(obj, plan)
     counts = [
         f"{len(obj.data.vertices)} vertices",
-        f"{len(mouse.layers())} layers",
+        f"{len(mouse.layers())} layers and a lantern",
         f"{len(_joints(obj))} joints",
     ]
     print(
@@ -83,16 +84,13 @@ def perform(with_pictures: bool) -> list[list[Cell]]:
 
 
 def _layers() -> list[Cell]:
-    """The PNGs of the layers, from back to front."""
-    cells = []
-    for layer in mouse.layers():
-        with Image.open(cutout.DRAWINGS / f"{NAME} {layer.name}.png") as drawn:
-            height = 196
-            small = drawn.resize(
-                (round(height * drawn.width / drawn.height), height), Image.Resampling.LANCZOS
-            )
-        sheet = Image.new("RGB", small.size, GROUND)
-        sheet.paste(small, mask=small.getchannel("A"))
+    """The drawings, from back to front, each on all of the canvas."""
+    drawings = [*mouse.layers(), mouse.lantern()]
+    bounds, cells = cutout.canvas(drawings, SMALL), []
+    for layer in drawings:
+        painted = layer.paint(bounds, SMALL)
+        sheet = Image.new("RGB", painted.size, GROUND)
+        sheet.paste(painted, mask=painted.getchannel("A"))
         cells.append((layer.name, "", sheet))
     return cells
 
@@ -104,10 +102,17 @@ def _picture(obj: bpy.types.Object, x: float) -> Image.Image:
 
 
 def build() -> bpy.types.Object:
-    """The mouse of its layers, hung together and pinned; the active object."""
-    layers = mouse.layers()
+    """The mouse of its layers, hung together and pinned, with the lantern in its hand; the active object."""
+    layers, held = mouse.layers(), mouse.lantern()
+    lantern = cutout.build(held.name, [held], SPACING, PIXELS)
+    handle = Vector((mouse.HANDLE[0], held.depth, mouse.HANDLE[1]))
+    lantern.data.transform(Matrix.Translation(-handle))
+    lantern.location = handle
     obj = cutout.build(NAME, layers, SPACING, PIXELS)
     bpy.ops.planar.attach()
+    lantern.select_set(True)
+    bpy.ops.planar.attach_to()
+    lantern.select_set(False)
     puppet.add_pins(obj, layers, mouse.PINS)
     _select(obj, ["Cap Tip"])
     bpy.ops.planar.set_depth(depth=2.0)  # before the ear, where it swings there
@@ -171,29 +176,29 @@ def _select(obj: bpy.types.Object, names: Iterable[str]) -> None:
 
 
 def _swing(obj: bpy.types.Object, plan: Sequence[Moment]) -> None:
-    """Lets the cap's tip follow an Empty, which hangs on another one that goes with the head and swings."""
-    scene = bpy.context.scene
-    scene.frame_set(1)
+    """Lets the lantern swing in its hand, and the cap's tip follow an Empty that swings with the head."""
     _select(obj, ["Cap Tip"])
+    bpy.context.scene.frame_set(1)
     bpy.ops.planar.add_controls()
-    control = obj.planar.pins["Cap Tip"].follow
+    control, lantern = obj.planar.pins["Cap Tip"].follow, bpy.data.objects["Lantern"]
     pivot = bpy.data.objects.new("Cap", None)
     pivot.empty_display_size = 0.2
-    scene.collection.objects.link(pivot)
+    bpy.context.scene.collection.objects.link(pivot)
     head = next(limb for limb in LIMBS if limb.name == "Head")
-    for number, moment in enumerate(plan):
-        x, z = walk.joints(moment)["Head"] + walk.turned(np.subtract(BEND, head.joint), moment.turns["Head"])
-        pivot.location = (x, 0.0, z)
-        pivot.rotation_euler.y = -moment.turns["Head"] - np.radians(SWING[number % len(SWING)])
-        for path in ("location", "rotation_euler"):
-            pivot.keyframe_insert(path, frame=1 + APART * number)
-    scene.frame_set(1)
-    swung = pivot.rotation_euler.y + plan[0].turns["Head"]
-    pivot.rotation_euler.y -= swung  # parented as the head is posed, without the swing
-    bpy.context.view_layer.update()
+    arm = np.subtract(BEND, head.joint)  # to where the cap bends
     control.parent = pivot
-    control.matrix_parent_inverse = pivot.matrix_world.inverted()
-    scene.frame_set(1)
+    for number, moment in enumerate(plan):
+        frame, turns = 1 + APART * number, moment.turns
+        x, z = walk.joints(moment)["Head"] + walk.turned(arm, turns["Head"])
+        pivot.location, pivot.rotation_euler.y = (x, 0.0, z), -turns["Head"]
+        if number == 0:  # parented as the head is posed, without the swing
+            control.matrix_parent_inverse = pivot.matrix_basis.inverted()
+        pivot.rotation_euler.y -= np.radians(SWING[number % len(SWING)])
+        lantern.rotation_euler.y = turns["Far Forearm"] - turns["Lantern"]
+        pivot.keyframe_insert("location", frame=frame)
+        for thing in (pivot, lantern):
+            thing.keyframe_insert("rotation_euler", index=1, frame=frame)
+    bpy.context.scene.frame_set(1)
     bpy.context.view_layer.objects.active = obj
 
 
@@ -238,13 +243,13 @@ def _slide(places: Sequence[Mapping[str, np.ndarray]], plan: Sequence[Moment], p
 
 def shoot(path: Path) -> Image.Image:
     """Renders the walk through a street at dusk; a strip of its frames."""
-    scene, obj = bpy.context.scene, bpy.context.object
+    scene = bpy.context.scene
     paper = night.backdrop(VIEW)
     light = film.picture("Light", night.glow(), (-GLOW, -GLOW, GLOW, GLOW), 0.0)
     shade = film.picture("Shadow", night.shadow(), (-1.0, -0.16, 1.0, 0.16), 0.0)
     for thing in (film.picture_of(VIEW, "Street", paper), light, shade):
         scene.collection.objects.link(thing)
-    _hang(light, obj, "Lantern", -0.3)
+    light.parent, light.location = bpy.data.objects["Lantern"], (0.0, -0.5, -0.64)
     shade.location = (0.0, 0.5, 0.0)
     for frame in (1, LAST):
         shade.location.x = walk.moments(STEPS)[(frame - 1) // APART].shift[0] + 0.1
@@ -257,19 +262,3 @@ def shoot(path: Path) -> Image.Image:
     stride = {frame: image for frame, image in frames.items() if frame <= 1 + APART * STRIDE}
     marks = {1 + APART * number: moment.name for number, moment in enumerate(walk.moments(STEPS))}
     return film.sheet("Two steps: keyed poses, and the frames between them", stride, marks, columns=6)
-
-
-def _hang(thing: bpy.types.Object, obj: bpy.types.Object, pin: str, depth: float) -> None:
-    """Parents an object to three vertices of a pin's patch, with its origin in their middle, at a depth."""
-    bpy.context.scene.frame_set(1)
-    index = obj.vertex_groups[pin].index
-    members = [v.index for v in obj.data.vertices if any(g.group == index for g in v.groups)]
-    places = puppet.shown_points(obj)[members]
-    middle = places.mean(axis=0)
-    angles = np.arctan2(*(places - middle).T)
-    chosen = [members[np.abs(np.angle(np.exp(1j * (angles - at)))).argmin()] for at in (0.0, 2.1, -2.1)]
-    thing.location = (middle[0], depth, middle[1])
-    bpy.context.view_layer.update()
-    thing.parent, thing.parent_type, thing.parent_vertices = obj, "VERTEX_3", chosen
-    bpy.context.view_layer.update()
-    thing.matrix_parent_inverse = (thing.matrix_world @ thing.matrix_basis.inverted()).inverted()

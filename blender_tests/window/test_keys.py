@@ -270,6 +270,30 @@ def test_r_turns_pins_about_their_centre(window: Window) -> Iterator[None]:
     assert np.allclose(place(1), (-1.5, 0.0, 0.0), atol=0.15), place(1)
 
 
+def test_r_turns_pins_about_blenders_pivot_point(window: Window) -> Iterator[None]:
+    yield from ready(window, LEFT, RIGHT)
+    tools, cursor = bpy.context.scene.tool_settings, bpy.context.scene.cursor
+    cursor.location = (0.0, 7.0, 0.0)  # seen along the drawing's normal it is in the middle
+    try:
+        for kind, middle in (("CURSOR", (0.0, 0.0, 0.0)), ("ACTIVE_ELEMENT", LEFT)):
+            tools.transform_pivot_point = kind
+            bpy.ops.planar.reset_to_rest()
+            active().planar.active_pin = 0
+            bpy.ops.planar.select_pins(action="SELECT", pin=1)
+            active().planar.active_pin = 0
+            yield from window.hover(window.pixel((2.5, 0.0, 0.0)))
+            yield from window.key("R")
+            yield from window.type("30")
+            yield from window.confirm()
+            arm = np.subtract(RIGHT, middle)
+            turned = np.add(
+                middle, np.linalg.norm(arm) * np.array([np.cos(np.pi / 6), 0.0, np.sin(np.pi / 6)])
+            )
+            assert np.allclose(place(1), turned, atol=0.05), (kind, place(1), turned)
+    finally:
+        tools.transform_pivot_point = "MEDIAN_POINT"
+
+
 def test_a_patch_keeps_the_angle_it_was_turned_to(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT)
     obj = active()

@@ -28,6 +28,7 @@ from ..model.posing.spreading import ScalingSpread, Spreading, carried_growth
 from ..model.posing.together import SolvedTogether
 from ..scene.pins.pin_list import is_joint
 from ..scene.pins.taking_part import with_pins
+from ..scene.view import pivot
 from ..scene.view.mouse import refuse_hidden, towards
 from .modal import reports, running
 from .modal.plane_mouse import PlaneMouse
@@ -248,10 +249,16 @@ class AboutPivot(PinTransform):
 
     pivot: FloatVectorProperty(
         name="Pivot",
-        description="World position that stays; by default the centre of the pins",
+        description="World position that stays; by default the centre of the pins, or what Pivot Point says",
         subtype="XYZ",
         options=HIDDEN,
     )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        about = None if self.release_confirm else pivot.chosen(context)  # a ring is about the centre
+        if about is not None and not self.properties.is_property_set("pivot"):
+            self.pivot = about
+        return super().invoke(context, event)
 
     def given_pivot(self) -> Sequence[float] | None:
         return self.pivot if self.properties.is_property_set("pivot") else None
@@ -314,7 +321,7 @@ class PLANAR_OT_drag_pins(PinTransform, bpy.types.Operator):
 class PLANAR_OT_rotate_pins(AboutPivot, bpy.types.Operator):
     bl_idname = "planar.rotate_pins"
     bl_label = "Turn Pins"
-    bl_description = "Turn the selected pins about their centre, patches with the drawing they hold"
+    bl_description = "Turn the selected pins about their centre or the Pivot Point, patches with the drawing"
 
     mode = "ROTATE"
     angle: FloatProperty(

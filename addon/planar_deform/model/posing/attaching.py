@@ -20,9 +20,8 @@ LEAST = 1e-5  # of the squared diagonal: parts that share less only touch
 DEEP, ROOT = 0.8, 0.5
 # A part of which this much lies on one that is so many times as large, an eye or a button, turns on nothing.
 COVERED, SMALL = 0.95, 10.0
-PAIR = (
-    0.35  # parts that share this much of the larger one lie along each other, as two legs seen from the side
-)
+# Parts that share this much of the larger one lie along each other, as two legs seen from the side do.
+PAIR = 0.35
 SAME_LAYER = 1e-4  # of the diagonal: parts that are as near in depth are of one layer
 
 
@@ -65,8 +64,8 @@ def attachments(
 
     Parts that lie on several hang on the one that they share most with; a layer between the two, told by the
     `depths` of the parts, counts as much as half of what they share: a hand before the tail does not hang on
-    it, but on the body. The legs of a pair, seen from the side, lie along each other and hang on one another
-    only where nothing else carries them. `joined`: parts that are already.
+    it, but on the body. Two legs that lie along each other, as seen from the side, hang on one another only
+    where nothing else carries them. `joined`: parts that are already.
     """
     layers = np.zeros(int(cutout.parts.max(initial=-1)) + 1)
     if depths is not None:
