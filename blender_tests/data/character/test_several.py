@@ -84,6 +84,15 @@ def test_what_hangs_in_a_lattice_that_takes_part_is_posed_by_that():
     assert taking_part(bpy.context).objects == [body, left]
 
 
+def test_a_renamed_object_keeps_its_pins_under_the_mouse():
+    from planar_deform.scene.view import snapshot
+
+    objects = figure()
+    assert len(snapshot.pins_in_view(bpy.context)) == 6
+    objects[1].name = "Wing"
+    assert {pin.owner for pin in snapshot.pins_in_view(bpy.context)} == {"Body", "Wing", "Arm.R"}
+
+
 # ---- drags
 
 
@@ -128,7 +137,7 @@ def test_turning_is_about_the_common_middle():
     sign = 1.0 if (tip(objects[0]) - before[0])[2] * (before[0] - middle)[0] > 0.0 else -1.0
     for obj, start in zip(objects, before, strict=True):
         x, _, z = start - middle
-        turned = middle + [c * x - sign * s * z, 0.0, sign * s * x + c * z]
+        turned = middle + np.array([c * x - sign * s * z, 0.0, sign * s * x + c * z])
         assert obj.planar.pins["Tip"].has_target
         target = target_of(obj)
         assert target == pytest.approx(turned, abs=1e-4), obj.name
