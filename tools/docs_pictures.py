@@ -204,6 +204,24 @@ def test_the_pose_tool(window: Any) -> Iterator[None]:
     obj.planar.show_mesh = False
 
 
+def test_several(window: Any) -> Iterator[None]:
+    """Both characters, a pin of each selected, dragged as one."""
+    yield from opened(window, "Lantern Fox", WAVE, (2.0, 2.0), 9.5)
+    objects = [obj for obj in bpy.context.view_layer.objects if obj.type == "MESH" and obj.planar.pins]
+    for obj in objects:
+        obj.hide_set(False)
+        obj.select_set(True)
+        for pin in obj.planar.pins:
+            pin.select = False
+    yield from window.wait(0.5)
+    yield from window.click(pin_place(window, "Near Hand"))
+    other = next(obj for obj in objects if obj != bpy.context.object)
+    other.planar.pins[-1].select = True
+    yield from pulled(window, "Near Hand", (-60, 50))
+    save("several", shot(window, "several", window.area))
+    yield from window.key("ESC")
+
+
 def test_pins(window: Any) -> Iterator[None]:
     """One that is off, and a weak one that does not reach its target."""
     yield from opened(window, "Lantern Fox", WAVE, (0.35, 2.0), 6.6)

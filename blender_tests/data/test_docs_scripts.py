@@ -37,6 +37,22 @@ def test_script_of_the_posing_page():
     assert bpy.context.object == obj
 
 
+def test_script_of_the_page_of_several_objects():
+    objects = []
+    for name in ("Body", "Arm"):
+        obj = standing_sheet()
+        obj.name = name
+        for place in ((-0.5, 0.0, 0.0), (0.5, 0.0, 1.0)):
+            bpy.ops.planar.add_pin(location=place)
+        objects.append(obj)
+    exec(script_of("several.md"), {})
+    assert bpy.context.object.name == "Arm"
+    assert [[pose.frame for pose in obj.planar.poses] for obj in objects] == [[1, 9], [1, 9]]
+    assert [obj.planar.poses[0].generated for obj in objects] == [7, 7]
+    body, arm = (evaluated(obj) for obj in objects)
+    assert np.abs(body - arm).max() > 0.1, "the second drag was of the arm alone"
+
+
 def test_script_of_the_lattices_page():
     obj = standing_sheet()
     data = bpy.data.lattices.new("Cage")

@@ -92,3 +92,24 @@ def target_of(obj):
 
 def _world(obj, place):
     return np.array(obj.matrix_world)[:3, :3] @ np.array(place) + np.array(obj.matrix_world)[:3, 3]
+
+
+def drag(offset, **options):
+    assert bpy.ops.planar.drag_pins(offset=offset, **options) == {"FINISHED"}
+
+
+def go_to(frame):
+    bpy.context.scene.frame_set(frame)
+
+
+def key(frame, offset):
+    go_to(frame)
+    drag(offset)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+
+
+def two_poses():
+    objects = figure()
+    key(1, (0.1, 0.2))
+    key(9, (-0.3, 0.6))
+    return objects

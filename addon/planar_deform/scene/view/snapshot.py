@@ -153,7 +153,7 @@ def _of(obj: bpy.types.Object) -> Snapshot:
     kept = _kept.get(obj.session_uid)
     if kept is None or obj.session_uid not in _followed:
         state = _state(obj)
-        if kept is None or kept.state != state:
+        if kept is None or kept.state != state or kept.name != obj.name:
             kept = _read(obj, state, kept)
             _keep(obj.session_uid, kept)
     _kept.move_to_end(obj.session_uid)

@@ -15,6 +15,7 @@ from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
 from ...scene.pins.pin_list import is_joint, pinned_object
 from ...scene.pins.pose_holding import unheld
+from ...scene.pins.taking_part import taking_part, with_pins
 from ...scene.view import coarseness, snapshot
 from ..tool.pin_menu import draw_depths
 from .tab import PlanarPanel, lines
@@ -102,6 +103,7 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         layout = self.layout
         obj = context.object
         if obj is not None:
+            _draw_taking_part(layout, context)
             _draw_lattices(layout, obj)
         seen = snapshot.of_active(context)
         reason = (
@@ -135,12 +137,23 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
         column = row.column(align=True)
         column.menu("PLANAR_MT_add_pins", text="", icon="ADD")
         row = column.row()
-        row.enabled = any(pin.select for pin in settings.pins)
+        row.enabled = any(pin.select for one in with_pins(context) for pin in one.planar.pins)
         row.operator("planar.remove_pins", text="", icon="REMOVE")
         column.separator()
         column.prop(settings, "use_mirror_x", text="", icon="MOD_MIRROR")
         if 0 <= settings.active_pin < len(settings.pins):
             _draw_pin(layout, context, settings.pins[settings.active_pin], settings.active_pin)
+
+
+def _draw_taking_part(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """How many drawings are posed as one, and why selected ones are not."""
+    objects, left_out = taking_part(context)
+    if len(objects) > 1:
+        layout.label(
+            text=f"{len(objects)} drawings: pins and poses of all", icon="OUTLINER_OB_GROUP_INSTANCE"
+        )
+    for name, reason in left_out.items():
+        lines(layout, f"'{name}' is left out: {reason}", "INFO", context)
 
 
 def _draw_lattices(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:

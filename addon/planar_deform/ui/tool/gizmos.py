@@ -138,7 +138,8 @@ class PLANAR_GGT_pins(bpy.types.GizmoGroup):
         one under the mouse may be among them. While the timeline plays nothing is read for them: a large mesh
         would slow it down."""
         self.all_marks[:] = [] if context.screen.is_animation_playing else snapshot.pins_in_view(context)
-        found = {(bpy.data.objects[mark.owner].session_uid, mark.key): mark for mark in self.all_marks}
+        listed = [(pin, mark) for mark in self.all_marks if (pin := pin_at(mark)) is not None]
+        found = {(pin.id_data.session_uid, mark.key): mark for pin, mark in listed}
         for number in found:
             if number not in self.pins:
                 self.pins[number] = self._new(number[1])

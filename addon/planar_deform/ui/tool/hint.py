@@ -7,7 +7,7 @@ import bpy
 
 from ...scene.lattice.posed import posing_refusal
 from ...scene.objects.modifiers import lattices_of
-from ...scene.pins.pin_list import has_pins
+from ...scene.pins.taking_part import with_pins
 from ...scene.telling import said
 from ..draw.in_views import InViews
 from .tool_state import pose_tool_is_active
@@ -24,7 +24,7 @@ def _text(context: bpy.types.Context) -> str:
     if not pose_tool_is_active(context):
         return ""
     obj = context.object
-    if said() or has_pins(obj):
+    if said() or with_pins(context):
         return said()
     lattices = [] if obj is None else lattices_of(obj)
     if lattices:

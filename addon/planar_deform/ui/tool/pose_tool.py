@@ -36,6 +36,7 @@ class PoseTool(bpy.types.WorkSpaceTool):
         "Drag pins; the drawing follows.\n"
         "• Click selects a pin, Shift-click adds to the selection.\n"
         "• Ctrl-click adds a pin to the active mesh, or to what the active lattice deforms.\n"
+        "• Pins of all selected drawings are posed as one.\n"
         "• Shift-Ctrl-click adds a joint where two parts lie on each other.\n"
         "• G moves, R turns, S spreads, X removes the selected pins.\n"
         "• I keys the pose"

@@ -34,8 +34,8 @@ def posing(key, moving=(1,), model=Posing, nx=8):
     return model(cutout, cutout.rest, pins, moving, make)
 
 
-def frame(normal=UP, turn=np.eye(3)):
-    return frame_across(normal, turn)
+def frame(normal=UP, turn=None):
+    return frame_across(normal, np.eye(3) if turn is None else turn)
 
 
 def test_one_alone_moves_as_it_does_by_itself_to_the_bit():
