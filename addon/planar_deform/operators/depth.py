@@ -47,8 +47,8 @@ class PLANAR_OT_set_depth(PosingOperator, bpy.types.Operator):
         make_current(context)
         obj = context.object
         chosen = [index for index, pin in enumerate(obj.planar.pins) if pin.select]
-        pin_depths.give(obj, chosen, self.depth, relative=self.relative)
-        reports.inform(self, auto_key(context))
+        told = pin_depths.give(obj, chosen, self.depth, relative=self.relative)
+        reports.inform(self, told or auto_key(context))
 
 
 class PLANAR_OT_dither_materials(PosingOperator, bpy.types.Operator):

@@ -153,8 +153,9 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
         posing = PinMirror(cutout, drawing.positions, pins, int(self.axis == "VERTICAL"), poser)
         try:
             posing.run()
-            depths = drawing.depths
-            depths = spread(cutout, [holder for _, holder in pins], posing.asked_depths(depths), depths)
+            asked = posing.asked_depths(drawing.depths)
+            holders = [holder for _, holder in pins]
+            depths = spread(obj.session_uid, cutout, holders, asked, drawing.depths)
         except native.SolveError as error:
             raise Refusal(str(error)) from error
         _show(self, context, drawing, posing.positions, posing.results(), depths=depths)
