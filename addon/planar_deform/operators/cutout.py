@@ -117,10 +117,11 @@ class FromFiles(Cutting):
     layers: EnumProperty(name="Several Files", description="What several files become", items=LAYERS)
     offset: FloatProperty(
         name="Offset",
-        description="From one layer to the next, in front of it",
-        default=0.01,
+        description="From one layer to the next, in front of it: so little that depths of pins reach across",
+        default=0.002,
         min=0.0,
         soft_max=1.0,
+        precision=4,
         subtype="DISTANCE",
     )
     size_mode: EnumProperty(name="Size", description="How large the cutout is", items=SIZES)

@@ -48,8 +48,8 @@ class PLANAR_OT_set_depth(PosingOperator, bpy.types.Operator):
         make_current(context)
         obj = context.object
         chosen = [index for index, pin in enumerate(obj.planar.pins) if pin.select]
-        pin_depths.give(obj, chosen, self.depth, relative=self.relative)
-        told: list[str] = []
+        farthest = pin_depths.give(obj, chosen, self.depth, relative=self.relative)
+        told: list[str] = [] if farthest is None else [farthest]
         playback.run(auto_key(context, obj, told.append))
         reports.inform(self, ". ".join(told) or None)
 

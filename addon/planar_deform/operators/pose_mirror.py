@@ -96,7 +96,7 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
                 posing = OtherSide(side, source, reflection, joint_list.solver_of(obj, drawing))
             except ValueError:
                 return None
-            depths = _solved(posing, side, posing.asked_depths)
+            depths = _solved(obj, posing, side, posing.asked_depths)
             tell(f"Mirrored from '{opposite.object_name}' by {posing.pairs} of its pins")
             return showing(context, drawing, posing.positions, posing.results(), tell, depths=depths)
         return showing(context, drawing, found.positions, found.results, tell, depths=found.depths)
@@ -145,7 +145,7 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
             )
         poser = joint_list.solver_of(obj, drawing)
         posing = PinMirror(side.cutout, side.positions, side.pins, int(self.axis == "VERTICAL"), poser)
-        depths = _solved(posing, side, lambda: posing.asked_depths(side.depths))
+        depths = _solved(obj, posing, side, lambda: posing.asked_depths(side.depths))
         tell(f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
         return showing(context, drawing, posing.positions, posing.results(), tell, depths=depths)
 
@@ -155,11 +155,14 @@ def _side(obj: bpy.types.Object, drawing: CutoutObject) -> Side:
     return Side(drawing.cutout, drawing.positions, drawing.depths, edges, named_pins(obj, drawing))
 
 
-def _solved(posing: PinsLed, side: Side, asked: Callable[[], dict[int, float]]) -> Array:
-    """The depths that go with what a posing comes to, which is solved. Raises Refusal."""
+def _solved(
+    obj: bpy.types.Object, posing: PinsLed, side: Side, asked: Callable[[], dict[int, float]]
+) -> Array:
+    """The depths that go with what a posing of an object comes to, which is solved. Raises Refusal."""
     try:
         posing.run()
-        return spread(side.cutout, [holder for _, holder in side.pins], asked(), side.depths)
+        holders = [holder for _, holder in side.pins]
+        return spread(obj.session_uid, side.cutout, holders, asked(), side.depths)
     except native.SolveError as error:
         raise Refusal(str(error)) from error
 

@@ -64,6 +64,14 @@ def test_attach_finds_shoulder_wrist_and_neck():
     assert np.array_equal(evaluated(obj), before)  # nothing moves
 
 
+def test_pins_and_joints_have_groups_of_their_own_names():
+    obj = figure()
+    assert bpy.ops.planar.attach() == {"FINISHED"}
+    bpy.ops.planar.add_pin(location=obj.matrix_world @ Vector((1.0, 1.0, 0.0)))
+    assert [pin.group for pin in obj.planar.pins] == [pin.name for pin in obj.planar.pins]
+    assert {pin.name for pin in obj.planar.pins} == {"Hinge", "Hinge.001", "Hinge.002", "Pin"}
+
+
 def test_attach_again_adds_only_what_is_missing():
     obj = figure()
     bpy.ops.planar.attach()

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from drawings import DRAWINGS, extremes
-from sequences import key
+from sequences import go_to, key
 from support import TRANSFORMS, activate, add_end_pins, add_pins, bar, coordinates, evaluated, pose, world
 
 
@@ -53,12 +53,15 @@ def test_the_field_gives_it_to_all_selected_pins():
     assert heights(obj) == pytest.approx(np.full(65, -1.5), abs=1e-4)
 
 
-def test_forward_and_backward_stop_at_the_limits():
+def test_forward_and_backward_stop_at_the_limits_and_say_so(capfd):
     obj = bar()
     add_end_pins(obj)
     give(obj, 9.5)
     give(obj, 1.0, relative=True)
     assert obj.planar.pins[1].depth == pytest.approx(10.0, abs=1e-3)
+    capfd.readouterr()
+    give(obj, 1.0, relative=True)
+    assert "10 is the largest depth" in capfd.readouterr().out
     give(obj, -1.0, relative=True)
     assert obj.planar.pins[1].depth == pytest.approx(9.0, abs=1e-3)
 
@@ -390,3 +393,22 @@ def test_other_operators_keep_depths():
     assert bpy.ops.planar.settle_pose() == {"FINISHED"}
     assert bpy.ops.planar.reset_selected_pins() == {"FINISHED"}
     assert obj.planar.pins[1].depth == pytest.approx(3.0, abs=0.01)
+
+
+def test_remeshing_keeps_depths():
+    obj = bar(nx=24, ny=8)
+    add_end_pins(obj, 24, 225)
+    key(obj, 1)
+    go_to(9)
+    give(obj, 3.0)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    assert bpy.ops.planar.remesh(source="OUTLINE", vertices=500) == {"FINISHED"}
+    assert len(obj.data.vertices) > 300
+    assert [pin.depth for pin in obj.planar.pins] == pytest.approx([0.0, 3.0], abs=0.01)
+    along = np.sort(heights(obj))
+    assert along[0] > -0.05
+    assert along[-1] < 3.05
+    go_to(1)
+    assert [pin.depth for pin in obj.planar.pins] == pytest.approx([0.0, 0.0], abs=1e-4)
+    give(obj, 2.0)  # the new mesh has pins that hold other vertices
+    assert [pin.depth for pin in obj.planar.pins] == pytest.approx([0.0, 2.0], abs=1e-3)

@@ -394,3 +394,16 @@ def test_real_drawings(path):
     assert covered(obj, (height, width))[alpha > 0.5].all()
     assert 1125 <= len(obj.data.vertices) <= 1875
     assert all(face.area > 0 for face in obj.data.polygons)
+
+
+def test_a_depth_takes_a_layer_across_the_next_one(tmp_path):
+    paths = [save(tmp_path, f"{name}.png", blobs((60, 45), radius=40)) for name in ("arm", "head")]
+    obj = cutout(*paths, layers="PARTS", vertices=200)
+    obj.select_set(True)
+    behind = obj.data.vertices[0]
+    assert bpy.ops.planar.add_pin(location=obj.matrix_world @ behind.co) == {"FINISHED"}
+    ahead = np.array([vertex.co.z > behind.co.z + 1e-6 for vertex in obj.data.vertices])
+    assert 0 < ahead.sum() < len(ahead)
+    assert bpy.ops.planar.set_depth(depth=10.0) == {"FINISHED"}
+    heights = np.array([vertex.co.z for vertex in obj.data.vertices])
+    assert heights[~ahead].min() > heights[ahead].max()

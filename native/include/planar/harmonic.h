@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+
 #include "planar/types.h"
 
 namespace planar {
@@ -10,20 +12,31 @@ namespace planar {
 ///
 /// The weights are cotangents at rest, clamped at 0 where Delaunay's condition fails. So each value is a mean
 /// of its neighbours', and none is beyond those that are held. Where all edges fulfil the condition, a linear
-/// function on them is met.
-///
-/// \param rest n×2
-///
-/// \param held k different vertices
-///
-/// \param values k, of these
-///
-/// \return n; 0 in parts with nothing held, and of vertices of no triangle that are not held
-///
-/// \throw std::invalid_argument mismatched, non-finite or out-of-range input
-///
-/// \throw SolveError the system could not be factored
-Eigen::VectorXd harmonic(const Points& rest, const Triangles& triangles, const Eigen::VectorXi& held,
-                         const Eigen::VectorXd& values);
+/// function on them is met. The system is factored once; each spread is a pair of triangular solves.
+class Harmonic {
+ public:
+  /// \param rest n×2
+  ///
+  /// \param held k different vertices
+  ///
+  /// \throw std::invalid_argument mismatched, non-finite or out-of-range input
+  ///
+  /// \throw SolveError the system could not be factored
+  Harmonic(const Points& rest, const Triangles& triangles, const Eigen::VectorXi& held);
+  Harmonic(Harmonic&&) noexcept;
+  Harmonic& operator=(Harmonic&&) noexcept;
+  ~Harmonic();
+
+  /// \param values k, of the held vertices
+  ///
+  /// \return n; 0 in parts with nothing held, and of vertices of no triangle that are not held
+  ///
+  /// \throw std::invalid_argument another number of values, or one that is not finite
+  Eigen::VectorXd spread(const Eigen::VectorXd& values) const;
+
+ private:
+  struct System;
+  std::unique_ptr<System> system_;
+};
 
 }  // namespace planar

@@ -10,6 +10,7 @@ import numpy as np
 from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
+from . import solver_cache
 from .pins import Holder
 
 # Of the diagonal, how far a depth of 1 raises the drawing out of its plane. Cycles, Workbench and EEVEE
@@ -24,8 +25,12 @@ def depth_of(holder: Holder, depths: Array) -> float:
     return float(holder.place(depths[:, None])[0])
 
 
-def spread(cutout: Cutout, holders: Sequence[Holder], asked: Mapping[int, float], depths: Array) -> Array:
+def spread(
+    key: int, cutout: Cutout, holders: Sequence[Holder], asked: Mapping[int, float], depths: Array
+) -> Array:
     """The depths (n,) in which pins have those that are asked for (by key), and the other ones stay.
+
+    `key`: of the object, for which the factored system is kept as long as its pins hold the same vertices.
 
     Between pins they change as gently as they can (harmonically), and nowhere beyond the pins' own. Pins that
     are off hold nothing; parts without pins stay as they are in `depths` (n,). Raises native.SolveError.
@@ -41,6 +46,10 @@ def spread(cutout: Cutout, holders: Sequence[Holder], asked: Mapping[int, float]
     held = np.flatnonzero(counts).astype(np.int32)
     if not len(held):
         return depths
-    values = native.harmonic(cutout.rest, cutout.triangles, held, sums[held] / counts[held])
+    rest, triangles = cutout.rest, cutout.triangles
+    harmonic = solver_cache.kept(
+        ("depths", key), (triangles, rest, held), lambda: native.Harmonic(rest, triangles, held)
+    )
+    values = harmonic.spread(sums[held] / counts[held])
     among = np.isin(cutout.parts, cutout.parts[held])
     return np.where(among, values, depths)

@@ -21,6 +21,7 @@ CAPACITY = 16  # objects; a 10k-vertex factor takes some 20 MB
 
 Solver = TypeVar("Solver")
 Recipe = tuple[Any, ...]  # arrays, and what else a solver is made of
+Key = int | tuple[str, int]  # of an object: its number; what else is kept of it has a name before that
 
 
 @dataclass
@@ -29,11 +30,11 @@ class _Entry:
     solver: Any
 
 
-_entries: OrderedDict[int, _Entry] = OrderedDict()
+_entries: OrderedDict[Key, _Entry] = OrderedDict()
 _changing = threading.Lock()  # solvers are asked for in the solving thread, and dropped in Blender's
 
 
-def kept(key: int, recipe: Recipe, make: Callable[[], Solver]) -> Solver:
+def kept(key: Key, recipe: Recipe, make: Callable[[], Solver]) -> Solver:
     """The solver for the object with this key, made anew unless its recipe is the same to the bit."""
     entry = _entries.get(key)
     if entry is None or not _same(entry.recipe, recipe):

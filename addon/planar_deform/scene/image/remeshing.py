@@ -23,6 +23,7 @@ from ...model.plane.cutout import NEUTRAL, Cutout, connected_parts, make_cutout,
 from ...model.plane.frame import Array, Array32
 from ...model.posing import joints
 from ...model.posing.carried_pins import group_carried, nearest_binding, nearest_binding_at, patch_carried
+from ...model.posing.depths import depth_of, spread
 from ...model.posing.pins import Holder, Kind, Pin
 from ...model.posing.rebinding import Binding
 from ...model.posing.upright import set_right, turned_over
@@ -30,6 +31,7 @@ from ...model.work import Progress
 from ..objects import attributes, mesh_edits, new_faces, rest_shape, stiffness, vertex_parents
 from ..objects.attributes import Attribute
 from ..objects.cutout_object import SAME_PLACE
+from ..objects.flat_object import linear_of
 from ..objects.modifiers import lattices_of
 from ..objects.new_faces import NewFaces, face_of_corners, face_settings
 from ..pins import controls, lattice_places, pin_list, places
@@ -41,6 +43,7 @@ from .remesh_source import Present, Source
 
 SOLVED = 0.5  # of the progress, where the new mesh is made
 MOST_TOLD = 4  # names
+ROUNDING = 1e-5  # of the largest depth
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,7 @@ class Remesh:
         mesh = obj.data
         self._now, self._source = now, source
         self._own = points.read(obj)
+        self._linear, self._uid = linear_of(obj), obj.session_uid
         self._frame = bpy.context.scene.frame_current_final
         keys = mesh.shape_keys
         blocks = [] if keys is None else list(keys.key_blocks)
@@ -116,18 +120,21 @@ class Remesh:
         places_2d = now.drawing.rest_places(rest)
         parts = connected_parts(len(rest), filling.triangles)
         cutout = make_cutout(places_2d, filling.triangles, parts)
+        pins = [self._pin(filling, hung, cutout, held) for held in self._held]
+        kept = self._holding(hung, cutout, pins)
         blocks, flipped = {}, []
         for number, (name, shape) in enumerate(self._blocks.items()):
             if not progress(SOLVED + (1.0 - SOLVED) * number / len(self._blocks)):
                 raise native.Cancelled
-            blocks[name], upright = self._posed(hung, shape, cutout)
+            posed, upright = self._posed(hung, shape, cutout)
+            blocks[name] = self._at_depths(posed, shape, rest, cutout, kept)
             if not upright:
                 flipped.append(name)
         own, upright = self._posed(hung, self._own, cutout)
+        own = self._at_depths(own, self._own, rest, cutout, kept)
         if not upright and not self._blocks:
             flipped.append("the shape shown")
         faces, carried = self._faces(filling, hung, own)
-        pins = [self._pin(filling, hung, cutout, held) for held in self._held]
         said = (*filling.said, *self._patches_said(hung, pins), *self._outside_said(cutout, pins))
         if flipped:
             said += (f"triangles are turned over in {_listed(flipped)}: use Settle Pose there",)
@@ -158,6 +165,47 @@ class Remesh:
         moved = drawing.to_local(right[changed]) - drawing.to_local(positions[changed])
         result[changed] = (result[changed] + moved).astype(np.float32)
         return result, True
+
+    def _holding(
+        self, hung: Carrying, cutout: Cutout, pins: list[Binding | None]
+    ) -> list[tuple[Holder, Holder]]:
+        """What holds each pin of one part on the old mesh and on the new one."""
+        found = []
+        for held, binding in zip(self._held, pins, strict=True):
+            if len(np.unique(self._now.drawing.parts[held.holder.pin.vertices])) == 1:
+                rows, weights = binding or self._group(hung, held.group, self._groups[held.group])
+                if (weights > 0.0).any():
+                    pin = Pin(len(found), held.holder.pin.kind, rows[weights > 0.0], weights[weights > 0.0])
+                    found.append((held.holder, Holder(pin, cutout)))
+        return found
+
+    def _at_depths(
+        self,
+        result: Array32,
+        shape: Array32,
+        rest: Array32,
+        cutout: Cutout,
+        kept: list[tuple[Holder, Holder]],
+    ) -> Array32:
+        """A shape on the new mesh with its pins as deep as they were on the old one.
+
+        Where depths change most, about a pin, what is carried between vertices flattens them.
+        """
+        normal = self._now.drawing.frame.n @ self._linear
+        old, new = (
+            (one.astype(np.float64) - at_rest) @ normal
+            for one, at_rest in ((shape, self._now.rest), (result, rest))
+        )
+        gaps = {holder.pin.key: depth_of(before, old) - depth_of(holder, new) for before, holder in kept}
+        least = ROUNDING * float(np.abs(old).max(initial=0.0))
+        if not any(abs(gap) > least for gap in gaps.values()):
+            return result
+        try:
+            raised = spread(self._uid, cutout, [holder for _, holder in kept], gaps, np.zeros(len(new)))
+        except native.SolveError:
+            return result
+        across = np.linalg.solve(self._linear, self._now.drawing.frame.n)
+        return (result + np.outer(raised, across)).astype(np.float32)
 
     def _faces(
         self, filling: Filling, hung: Carrying, own: Array32

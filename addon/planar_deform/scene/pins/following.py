@@ -28,7 +28,10 @@ def follow(obj: bpy.types.Object) -> list[str]:
         return []
     owner, lost = mesh_edits.owner_of(obj.data), []
     keyed = owner > 0 and mesh_edits.was_keyed(owner)
+    fewer = len(obj.data.vertices) < obj.data.planar_seen.counts[0]
     joined = mesh_edits.follow(obj)
+    if pinned and owner and fewer and not joined:
+        joining.part(obj, owner)
     if joined:
         joining.take_in(obj, joined)
         lost = _merge(obj, owner, keyed, joined)

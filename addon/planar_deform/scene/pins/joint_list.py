@@ -82,7 +82,7 @@ def carried(found: Iterable[Joint], drawing: Drawing, positions: Array) -> list[
 
 def add(obj: bpy.types.Object, kind: str, vertices: Indices, weights: Array) -> bpy.types.PropertyGroup:
     """Add a joint on mesh vertices of two parts."""
-    group = pin_list.new_group(obj)
+    group = pin_list.new_group(obj, NAMES[kind])
     vertex_groups.fill(group, vertices, weights)
     joint = pin_list.append(obj, group, kind, owns_group=True)
     names = {other.name for other in obj.planar.pins if other != joint}

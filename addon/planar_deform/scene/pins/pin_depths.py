@@ -22,6 +22,8 @@ from ..storage import changes
 from . import pin_list
 
 SHOWN = 2.0  # seconds for which a change is shown in colours
+SAME = 1e-3  # depths that are as near are one
+FARTHEST = f"{DEEPEST:g} is the largest depth: lay layers that still are in between nearer together"
 
 _given: tuple[int, float] | None = None  # the session_uid of the object changed last, and when
 
@@ -57,8 +59,13 @@ def depth_shown(obj: bpy.types.Object, key: int) -> float:
     return next((depth_of(one, drawing.depths) for one in holders if one.pin.key == key), 0.0)
 
 
-def give(obj: bpy.types.Object, chosen: Collection[int], depth: float, *, relative: bool = False) -> None:
-    """Give the pins with these indices a depth, or add it to theirs. Raises Refusal, with nothing changed."""
+def give(
+    obj: bpy.types.Object, chosen: Collection[int], depth: float, *, relative: bool = False
+) -> str | None:
+    """Give the pins with these indices a depth, or add it to theirs; what to do where none goes farther.
+
+    Raises Refusal, with nothing changed.
+    """
     global _given
     reason = refusal(obj)
     if reason is not None:
@@ -74,10 +81,13 @@ def give(obj: bpy.types.Object, chosen: Collection[int], depth: float, *, relati
     }
     if not asked:
         raise Refusal("No pins that hold the drawing are selected: click one first")
+    if relative and all(abs(shown[key] - to) < SAME for key, to in asked.items()):
+        return FARTHEST
     try:
-        depths = spread(drawing.cutout, holders, asked, drawing.depths)
+        depths = spread(obj.session_uid, drawing.cutout, holders, asked, drawing.depths)
     except native.SolveError as error:
         raise Refusal(str(error)) from error
     drawing.write_with(drawing.positions, depths)
     changes.tell_pose(obj)
     _given = obj.session_uid, time.monotonic()
+    return None

@@ -412,10 +412,10 @@ def give_group(pin: bpy.types.PropertyGroup, name: str) -> None:
     pin.has_target, pin.angle, pin.scale = held
 
 
-def new_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
+def new_group(obj: bpy.types.Object, name: str = GROUP_NAME) -> bpy.types.VertexGroup:
     """A vertex group for a pin, named as no other pin's of the file: a join makes one of equal ones."""
     taken = {name for other in bpy.data.objects if has_pins(other) for name in groups_of(other)}
-    return obj.vertex_groups.new(name=free_name(GROUP_NAME, taken | set(obj.vertex_groups.keys())))
+    return obj.vertex_groups.new(name=free_name(name, taken | set(obj.vertex_groups.keys())))
 
 
 def free_name(name: str, taken: Container[str]) -> str:
