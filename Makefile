@@ -28,13 +28,15 @@ lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, what imports what, and 
 bench: ## Tables of the solver's speed, of a drag's cost in Blender's window, and beside libigl
 	@tools/bench.sh
 
-extension: dist/.built ## dist/planar_deform-*.zip, to be installed in Blender
+# all or one of linux, windows, macos-arm64, macos-x64
+PLATFORM ?= all
+extension: dist/.built-$(PLATFORM) ## dist/planar_deform-*.zip for Linux, Windows and macOS, or for one PLATFORM=linux
 
 # What is packed or compiled, with its folders, whose dates tell of files that were added or removed.
 EXTENSION_SOURCES := $(shell find addon native CMakeLists.txt pyproject.toml LICENSE tools/build_extension* \
-    tools/python_headers.py tools/requirements -not -name __pycache__ -not -name '*.pyc')
-dist/.built: $(EXTENSION_SOURCES)
-	@tools/build_extension.sh
+    tools/cross tools/requirements -not -name __pycache__ -not -name '*.pyc')
+dist/.built-%: $(EXTENSION_SOURCES)
+	@tools/build_extension.sh $*
 	@touch $@
 
 docs: ## The pictures of the docs pages

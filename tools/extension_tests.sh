@@ -5,7 +5,7 @@
 # usage: tools/extension_tests.sh [BPY_VERSION|trixie|sid]
 set -euo pipefail
 cd "$(dirname "$0")/.."
-make --silent extension
+make --silent extension PLATFORM=linux
 tests=blender_tests/packaging/run.py
 case ${1:-} in
     '') exec .venv/bin/python $tests ;;

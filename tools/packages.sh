@@ -7,6 +7,8 @@ build_packages=(
     python3-dev python3-venv g++ ccache cmake make ninja-build
     libsuitesparse-dev libblas3 liblapack3 libeigen3-dev libcgal-dev
 )
+# The extension, whose compiler is PyPI's.
+cross_packages=(python3-venv ccache cmake ninja-build libeigen3-dev libcgal-dev)
 # What the bpy wheels load, though they draw no window.
 bpy_packages=(libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libxext6 libgl1)
 # The library's tests and benchmarks.

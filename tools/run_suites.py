@@ -73,6 +73,11 @@ def extension(blender: str) -> Suite:
     return Suite(f"extension-{blender}", ("tools/extension_tests.sh", blender))
 
 
+def extension_files(*, whole: bool) -> Suite:
+    """The files of every platform's extension; not `whole`: of those that other suites build in any case."""
+    return Suite("extension-files", ("tools/extension_files.sh", *([] if whole else ["linux"])))
+
+
 def windows(*options: str, whole: bool) -> tuple[str, ...]:
     return ("tools/window_tests.sh", *options, *(["--whole"] if whole else []))
 
@@ -126,6 +131,7 @@ def on_this_machine(*, whole: bool, core: bool = True) -> list[Suite]:
         Suite("python", (*PYTEST, "tests/python")),
         Suite("python-malloc", ("env", "PYTHONMALLOC=debug", *PYTEST, "tests/python")),
         Suite("extension", ("tools/extension_tests.sh",)),
+        extension_files(whole=whole),
     ]
 
 

@@ -14,7 +14,7 @@ new_enough() {
     [[ -n $version && $(printf '4.2\n%s\n' "$version" | sort -V | head -n 1) == 4.2 ]]
 }
 
-make --silent extension # the tests install it as a user does
+make --silent extension PLATFORM=linux # the tests install it as a user does
 room=
 if [[ ${1:-} == --room ]]; then
     room=$2

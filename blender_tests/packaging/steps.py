@@ -8,7 +8,6 @@ A step prints one line of JSON after "RESULT "; an exception is a failure.
 
 import json
 import sys
-from pathlib import Path
 
 import bpy
 
@@ -106,11 +105,6 @@ def drag():
         "finite": bool(np.isfinite(after).all()),
         "module": planar_native.__file__,
         "backend": planar_native.build_info()["backend"],
-        "libraries": [
-            line.split()[-1]
-            for line in Path("/proc/self/maps").read_text().splitlines()
-            if "libcholmod" in line
-        ],
     }
 
 

@@ -112,7 +112,7 @@ def files_are_apart(blender: str, work: Path) -> bool:
 
 
 def default_extension() -> Path:
-    found = sorted((PROJECT / "dist").glob("planar_deform-*.zip"), key=lambda path: path.stat().st_mtime)
+    found = sorted((PROJECT / "dist").glob("planar_deform-*-linux_x64.zip"), key=lambda path: path.stat().st_mtime)
     if not found:
         raise SystemExit("No extension in dist/: run 'make extension' first, or name one with --extension.")
     return found[-1]
