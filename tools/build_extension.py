@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on and a wheel of the module for each platform named.
+"""Build dist/planar_deform-VERSION-PLATFORM.zip: the add-on and a wheel of the module for each platform.
 
 The wheel serves every Python whose headers tools/cross/sources.py has: it has a module for each, linked to
 nothing but the platform's own libraries. It is built unless the last one is up to date. The zip is named as
-Blender's `extension build --split-platforms` does; of all platforms planar_deform-VERSION.zip is made, too. The
-same sources give the same bytes: files are sorted and have one date.
+Blender's `extension build --split-platforms` does; of all platforms planar_deform-VERSION.zip is made, too.
+The same sources give the same bytes: files are sorted and have one date.
 
 usage: build_extension.py PLATFORM...
 """
@@ -101,7 +101,7 @@ def fingerprint(platform: Platform) -> str:
 
 
 def compile_module(platform: Platform, python: str) -> Path:
-    """The module for one Python, in the platform's build folder: the library itself is compiled once for all."""
+    """The module for one Python, in the platform's build folder: the library is compiled once for all."""
     folder = PROJECT / "build" / f"cross-{platform.name}"
     windows = platform.name.startswith("windows")
     headers = SOURCES / "python" / python / ("windows" if windows else "unix")

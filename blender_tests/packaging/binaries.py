@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What can be told of the built extension's files without running them: tools/extension_files.sh.
 
-Each platform's zip holds a wheel with a module for each Python; every module needs the platform's own libraries
-alone, in versions that Blender's oldest systems have, shows nothing but its init function and has the kernels
-for AVX2. Blender's own tool says of each zip that it is valid. Exit code 0 only if all passed.
+Each platform's zip holds a wheel with a module for each Python; every module needs the platform's own
+libraries alone, in versions that its oldest systems have, shows nothing but its init function and has the
+kernels for AVX2. Blender's own tool says of each zip that it is valid. Exit code 0 only if all passed.
 
 usage: binaries.py BLENDER_EXT PLATFORM...        BLENDER_EXT: blender_ext.py of a Blender
 """
@@ -35,7 +35,7 @@ LINUX_LIBRARIES = {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "l
 # Of Windows 10 and newer: its C library is ucrtbase, which programs know by the names of its parts.
 WINDOWS_LIBRARIES = re.compile(r"kernel32\.dll|ntdll\.dll|advapi32\.dll|api-ms-win-crt-[a-z]+-l1-1-0\.dll")
 MACOS_LIBRARIES = {"/usr/lib/libSystem.B.dylib"}
-# vfmadd132pd, 213 and 231 of 256 bits: VEX with the map 0F38; W1, L1; opcode. By chance that comes up once in 10 MB.
+# vfmadd132pd, 213 and 231 of 256 bits: VEX with the map 0F38; W1, L1; opcode. By chance: once in 10 MB.
 WIDE_FMA = re.compile(
     b"\xc4[\x02\x22\x42\x62\x82\xa2\xc2\xe2]"
     b"[\x85\x8d\x95\x9d\xa5\xad\xb5\xbd\xc5\xcd\xd5\xdd\xe5\xed\xf5\xfd][\x98\xa8\xb8]"

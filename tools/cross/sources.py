@@ -7,9 +7,9 @@
     python/cpXY/unix/         Python's headers for Linux and macOS
     python/cpXY/windows/      for Windows, with libpythonXY.a, by which the linker knows Python's functions
 
-No package is installed, and no root is needed: apt keeps lists of its own. Sources are pinned by their sha256.
-Of Python's headers each release of Debian has one version; those of a release that cannot be had are named and
-left out. What is there already is kept.
+No package is installed, and no root is needed: apt keeps lists of its own. Sources are pinned by their
+sha256. Of Python's headers each release of Debian has one version; those of a release that cannot be had are
+named and left out. What is there already is kept.
 
 usage: sources.py PLATFORM...        what these platforms need
        sources.py archive NAME       print where a source package lies, fetched if need be
@@ -150,8 +150,8 @@ def python_headers(release: str) -> None:
         (package,) = work.glob("*.deb")
         run("dpkg-deb", "--extract", package, work / "content")
         (include,) = (work / "content/usr/include").glob("python3.*")
-        # Debian's pyconfig.h only chooses among those of several machines, which are elsewhere. macOS takes that
-        # of Linux, too: pymacconfig.h corrects what differs.
+        # Debian's pyconfig.h only chooses among those of several machines, which are elsewhere. macOS takes
+        # that of Linux, too: pymacconfig.h corrects what differs.
         (configuration,) = (work / "content/usr/include").glob(f"*-linux-gnu/{include.name}/pyconfig.h")
         shutil.copy(configuration, include / "pyconfig.h")
         tag = "cp" + include.name.removeprefix("python").replace(".", "")
@@ -171,12 +171,10 @@ def windows_python(tag: str) -> None:
     shutil.rmtree(partial, ignore_errors=True)
     extract(f"python{tag[2]}.{tag[3:]}", ("Include", "PC"), partial)
     headers = partial / "Include"
-    # Up to 3.12 a header; then the installer writes it, from one that it leaves as it is but for the threads' lock.
-    template = (
-        partial / "PC" / ("pyconfig.h" if (partial / "PC" / "pyconfig.h").exists() else "pyconfig.h.in")
-    )
+    # From 3.13 on the build makes it of a template, which it changes for free threads only.
+    (template,) = (partial / "PC").glob("pyconfig.h*")
     shutil.copy(template, headers / "pyconfig.h")
-    # Everything that the headers declare. What a module does not use is not imported, be it in the DLL or not.
+    # All that the headers declare. What a module does not use is not imported, be it in the DLL or not.
     declared = re.compile(r"PyAPI_(FUNC|DATA)\([^)]*\)\s*(?:_Py_NO_RETURN\s+)?(\w+)")
     text = "\n".join(path.read_text(errors="replace") for path in sorted(headers.rglob("*.h")))
     names = {name: " DATA" if kind == "DATA" else "" for kind, name in declared.findall(text)}

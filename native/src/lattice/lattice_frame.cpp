@@ -19,13 +19,13 @@ constexpr double float32_digits = 1e-6;
 LatticeFrame::LatticeFrame(const Coordinates& points)
     : origin_(points.row(0)), steps_(Eigen::MatrixXd::Zero(points.cols(), 3)) {
   const Eigen::Index n = points.rows();
-  const double noise = float32_digits * points.cwiseAbs().maxCoeff();
+  const double rounding = float32_digits * points.cwiseAbs().maxCoeff();
   Eigen::Index block = 1;  // points of what the axes so far make
   for (int axis = 0; axis < 3 && block < n; ++axis) {
     const Eigen::RowVectorXd step = points.row(block) - origin_;
     const auto fits = [&](Eigen::Index k) {
       const Eigen::RowVectorXd off = points.row(k * block) - origin_ - static_cast<double>(k) * step;
-      return off.norm() <= tolerance * step.norm() + noise;
+      return off.norm() <= tolerance * step.norm() + rounding;
     };
     Eigen::Index count = 2;
     while ((count + 1) * block <= n && fits(count)) ++count;
@@ -41,7 +41,7 @@ LatticeFrame::LatticeFrame(const Coordinates& points)
                                   static_cast<double>(index[2]));
     const Eigen::RowVectorXd off = points.row(i) - origin_ - (steps_ * at_step).transpose();
     const bool outside = i >= c[0] * c[1] * c[2];
-    if (outside || !(off.norm() <= tolerance * steps_.colwise().norm().maxCoeff() + noise)) {
+    if (outside || !(off.norm() <= tolerance * steps_.colwise().norm().maxCoeff() + rounding)) {
       throw std::invalid_argument(row_of("lattice_rest", i) + "not a point of a regular grid, u fastest");
     }
   }
