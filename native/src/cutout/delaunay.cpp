@@ -4,6 +4,8 @@
 #define CGAL_NDEBUG
 #define CGAL_DISABLE_GMP 1
 #define CGAL_DISABLE_MPFR 1
+// std::unary_function, which C++17 has removed and boost would derive from.
+#define BOOST_NO_CXX98_FUNCTION_BASE
 #include "cutout/delaunay.h"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>

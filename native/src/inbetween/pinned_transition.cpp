@@ -106,7 +106,6 @@ PinnedTransition::PinnedTransition(const EdgeGraph& graph, const FramePins& pins
                                    const Points& from, const Points& to, const Edges& joints,
                                    const Eigen::VectorXd& edge_turns)
     : graph_(graph),
-      pins_(pins),
       held_(pins.held[k]),
       ways_(pins.handles.positions(from), pins.handles.positions(to), pins.pins,
             turns_at(graph, pins, edge_turns)),

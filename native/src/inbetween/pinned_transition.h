@@ -55,7 +55,6 @@ class PinnedTransition {
   void carry_along(const Layer& layer, const Points& frame, Points& x) const;
 
   const EdgeGraph& graph_;
-  const FramePins& pins_;
   const std::vector<char>& held_;
   PinWays ways_;
   Edges joints_;
