@@ -12,6 +12,13 @@
 namespace planar::testing {
 namespace {
 
+// A sanitizer takes several times as long.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr unsigned n_seeds = 50;
+#else
+constexpr unsigned n_seeds = 1000;
+#endif
+
 /// Each coordinate off by about so much.
 std::vector<Points> perturbed(std::vector<Points> keys, double error, unsigned seed) {
   for (std::size_t k = 0; k < keys.size(); ++k) {
@@ -29,14 +36,14 @@ TEST_P(Rounding, MovesSmoothFramesByAsMuchAsItMovesTheKeys) {
   const std::vector<Points> keys = s.keys;
   const Eigen::VectorXd times = uniform(9, 4.0);
   const std::vector<Points> frames = s.solved().at(times);
-  for (unsigned seed = 1; seed <= 1000; ++seed) {
+  for (unsigned seed = 1; seed <= n_seeds; ++seed) {
     s.keys = perturbed(keys, 1e-12, seed);
     ASSERT_LT(largest_difference(s.solved().at(times), frames), 1e-9) << seed;
   }
 }
 
 TEST_P(Rounding, RefusesNoShapeOfTheParts) {
-  for (unsigned seed = 1; seed <= 200; ++seed) {
+  for (unsigned seed = 1; seed <= n_seeds / 5; ++seed) {
     Sequence s = bent(seed);
     s.options.anchor_path = GetParam();
     for (const Points& frame : s.solved().at(uniform(9, 4.0))) {
