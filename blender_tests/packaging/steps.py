@@ -8,6 +8,7 @@ A step prints one line of JSON after "RESULT "; an exception is a failure.
 
 import json
 import sys
+from pathlib import Path
 
 import bpy
 
