@@ -389,8 +389,8 @@ def test_ended_early_everything_is_back_to_the_bit(kind):
         running = generating(obj)
         try:
             for _ in range(stop):
-                next(running)
-                assert same(evaluated(obj), seen)
+                share = next(running)
+                assert share == 1.0 or same(evaluated(obj), seen)  # then the rest comes in one piece
         except StopIteration:
             assert stop > 10
             break
