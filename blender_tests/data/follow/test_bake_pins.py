@@ -22,8 +22,19 @@ def alive(**options):
     return obj
 
 
+def growing():
+    """A drawing that is stretched more and more along one of its axes."""
+    obj = alive()
+    for frame, scale in ((1, 0.6), (17, 0.9)):
+        obj.scale.x = scale
+        obj.keyframe_insert("scale", frame=frame)
+    bpy.context.scene.frame_set(1)
+    return obj
+
+
 SCENES = {
     "drawing": alive,
+    "growing": growing,
     "parented": lambda: alive(parented=True),
     "poses": lambda: in_poses(live=True)[0],
 }

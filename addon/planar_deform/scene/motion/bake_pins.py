@@ -28,6 +28,8 @@ from ..storage.vertex_groups import Members
 from . import bake, live, point_cache
 from .to_controls import at_frame, followed, look_at_carriers
 
+SAME_LENGTHS = 1e-6  # of a length squared
+
 FORMS = (
     ("POSES", "Poses", "A keyed pose for each frame, evenly blended, which can be changed"),
     ("POINT_CACHE", "Point Cache", "A .pc2 file that a Mesh Cache modifier plays, for long shots"),
@@ -105,8 +107,17 @@ def _of_drawing(drawing: CutoutObject) -> Steps:
         frame = yield shape
         obj, depsgraph = drawing.resolve(), bpy.context.evaluated_depsgraph_get()
         look_at_carriers(obj, frame, depsgraph)
+        matrix = np.array(obj.matrix_world, np.float64)
+        if not _is_rigid(matrix @ np.linalg.inv(read_at)):  # other lengths make another drawing of it
+            drawing, read_at = drawing.carried(obj), matrix
         posing, keyed = at_frame(obj, drawing, frame, depsgraph, read_at)
         shape = drawing.coordinates(posing.positions) if keyed is None else keyed
+
+
+def _is_rigid(motion: Array) -> bool:
+    """Whether a map of space (4 x 4) leaves all lengths as they are."""
+    linear = motion[:3, :3]
+    return bool(np.abs(linear.T @ linear - np.eye(3)).max() <= SAME_LENGTHS)
 
 
 def _of_lattice(drawing: PosedObject) -> Steps:
