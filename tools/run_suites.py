@@ -69,8 +69,10 @@ def python(bpy: str) -> Suite:
     return Suite(f"python-{bpy}", ("tools/with_bpy.sh", bpy, "-m", "pytest", "tests/python"))
 
 
-def extension(blender: str) -> Suite:
-    return Suite(f"extension-{blender}", ("tools/extension_tests.sh", blender))
+def extension(blender: str, *, whole: bool) -> Suite:
+    return Suite(
+        f"extension-{blender}", ("tools/extension_tests.sh", blender, *(["--whole"] if whole else []))
+    )
 
 
 def extension_files(*, whole: bool) -> Suite:
@@ -112,7 +114,8 @@ def matrix(*, whole: bool, tested: bool) -> list[Suite]:
     if tested and not blender_here():
         del screens[0]
     newest = [bpy for bpy in wheels if bpy == BPY_VERSIONS[-1]]
-    return [*screens, *map(data, wheels), *map(python, newest), *map(extension, (*wheels, *rooms))]
+    installed = [extension(blender, whole=whole) for blender in (*wheels, *rooms)]
+    return [*screens, *map(data, wheels), *map(python, newest), *installed]
 
 
 def on_this_machine(*, whole: bool, core: bool = True) -> list[Suite]:
