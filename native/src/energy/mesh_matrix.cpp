@@ -103,4 +103,11 @@ void MeshMatrix::set_unit_rows(const std::vector<char>& active) {
   }
 }
 
+double MeshMatrix::largest() const {
+  double result = 0.0;
+  for (int k = 0; k < matrix_.size; ++k)
+    result = std::max(result, matrix_.value[at(matrix_.column_start[at(k)])]);
+  return result;
+}
+
 }  // namespace planar

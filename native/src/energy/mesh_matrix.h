@@ -50,6 +50,8 @@ class MeshMatrix {
   void add(int v, const Eigen::Matrix2d& block);
 
   const SymmetricMatrix& matrix() const { return matrix_; }
+  /// The largest entry of the diagonal: of a semidefinite matrix no other is larger.
+  double largest() const;
 
   /// Slot of a vertex: its index in `kept`, or -1.
   int slot(int vertex) const { return slot_[static_cast<std::size_t>(vertex)]; }

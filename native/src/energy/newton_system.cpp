@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "energy/newton_system.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/index.h"
@@ -10,7 +12,7 @@ namespace planar {
 namespace {
 
 constexpr double regularization = 1e-9;  // of the metric; 1 is the order of a triangle's blocks
-constexpr double most_regularization = 1.0;
+constexpr double most_regularization = 1e-3;  // of the largest entry, if that is more than 1
 // Of conjugate gradients. Of 640 drags of ten characters that were hard to settle, half of them with slivers,
 // 2 take more than 60 Newton steps with five; 12 did without any.
 constexpr int most_conjugate = 5;
@@ -70,7 +72,8 @@ void NewtonSystem::factorize(Metric metric, const RestEnergy& energy, double sca
   }
   scale_and_add_springs(scale, part);
   // Slivers that are nearly collapsed and very stiff leave rounding errors larger than the smallest
-  // eigenvalues.
+  // eigenvalues; but never ones as large as the last regularization, as the metric is semidefinite.
+  const double most = std::max(1.0, most_regularization * matrix_.largest());
   for (double more = regularization;; more *= 1e3) {
     for (int v = 0; v < mesh_.n_vertices; ++v) {
       if (is_active(v)) matrix_.add(v, v, more);
@@ -79,7 +82,7 @@ void NewtonSystem::factorize(Metric metric, const RestEnergy& energy, double sca
       solver_->factorize(matrix_.matrix());
       break;
     } catch (const SolveError&) {
-      if (more >= most_regularization) throw;
+      if (!(more < most) || !std::isfinite(most)) throw;
     }
   }
   metric_ = metric;

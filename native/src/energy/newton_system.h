@@ -56,7 +56,7 @@ class NewtonSystem {
   void set_active(std::vector<char> active) noexcept;
 
   /// Factors the metric of `scale` times the energy at x.
-  /// \throw SolveError it is not positive definite for rounding errors, or no memory
+  /// \throw SolveError the metric is not finite, or no memory
   void factorize(Metric metric, const RestEnergy& energy, double scale, const Points& x);
   void forget() noexcept { metric_ = Metric::none; }
 

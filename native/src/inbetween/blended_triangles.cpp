@@ -35,8 +35,11 @@ BlendedTriangles::BlendedTriangles(const Points& from, const Points& to, const T
 }
 
 Eigen::Vector2d BlendedTriangles::corner(int t, int v, double u) const {
-  const Complex end = product(back_[static_cast<std::size_t>(t)], Complex(to_(v, 0), to_(v, 1)));
-  return {(1.0 - u) * from_(v, 0) + u * end.real(), (1.0 - u) * from_(v, 1) + u * end.imag()};
+  // From the first corner: far from the origin the places would leave little of the sides.
+  const int a = triangles_(t, 0);
+  const Complex blend =
+      (1.0 - u) * side(from_, a, v) + u * product(back_[static_cast<std::size_t>(t)], side(to_, a, v));
+  return {blend.real(), blend.imag()};
 }
 
 double BlendedTriangles::strain(int t, const Points& x, double u) const {

@@ -20,7 +20,7 @@ class BlendedTriangles {
 
   const Flags& flat() const { return flat_; }
 
-  /// Vertex v of triangle t at u; only differences between corners of one triangle have a meaning.
+  /// Corner v of triangle t at u, seen from its first one.
   Eigen::Vector2d corner(int t, int v, double u) const;
 
   /// The least number such that triangle t at x is nowhere more than that times as long or as short as it

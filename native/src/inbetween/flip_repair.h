@@ -23,7 +23,6 @@ class FlipRepair {
 
   /// \param steps of the transition's grid
   /// \param progress called with the share of the work done; may throw
-  /// \throw SolveError numbers overflow
   FlipRepair(const EdgeGraph& graph, const Points& from, const Points& to, Eigen::Index steps,
              const Frames& frames, const std::function<void(double)>& progress, ThreadTeam& team);
 

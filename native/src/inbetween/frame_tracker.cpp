@@ -76,7 +76,11 @@ Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, 
   newton_.begin(result);
   constexpr double anywhere = std::numeric_limits<double>::infinity();
   const Newton::Budget budget{most_steps, most_factors, false, anywhere, tolerance * newton_.size()};
-  converged_ = newton_.descend(budget, result).converged;
+  try {
+    converged_ = newton_.descend(budget, result).converged;
+  } catch (const SolveError&) {  // how far it got is upright; one frame refuses no motion
+    converged_ = false;
+  }
   return result;
 }
 

@@ -31,7 +31,7 @@ class FrameTracker {
   FrameTracker& operator=(const FrameTracker&) = delete;
 
   /// The minimum for the frame y at u, from the solution x of a frame `of` near to it, until a step is at
-  /// most `tolerance` of the keys' size. \throw SolveError numbers overflow
+  /// most `tolerance` of the keys' size, or as near to it as numbers lead.
   Points follow(const Points& x, const Points& of, const Points& y, double u, double tolerance);
   /// Whether the last follow() got that far.
   bool converged() const { return converged_; }

@@ -34,6 +34,19 @@ struct Bending {
                 uniform(9), shape.triangles);
 };
 
+/// A mesh and its keys.
+struct Sequence {
+  Shape shape;
+  std::vector<Points> keys;
+  InbetweenOptions options;
+
+  Inbetweens solved() const { return {keys, shape.triangles, options}; }
+};
+
+/// A bar, a square and an isolated vertex, bent and moved at uneven times; smooth.
+/// \param seed of the square
+Sequence bent(unsigned seed = 1);
+
 /// The sides of a closed contour or, if `open`, all but the last.
 Edges contour(int n, bool open = false);
 

@@ -13,34 +13,6 @@ namespace {
 
 constexpr double h = 1e-5;  // of the differences that stand for velocities
 
-struct Sequence {
-  Shape shape;
-  std::vector<Points> keys;
-  InbetweenOptions options;
-
-  Inbetweens solved() const { return {keys, shape.triangles, options}; }
-};
-
-/// A bar, a square and an isolated vertex, bent and moved at uneven times.
-Sequence bent() {
-  Sequence s;
-  s.shape = joined(bar(16), moved(grid(4), 3.0, 0.0));
-  const Eigen::Index n = s.shape.vertices.rows() + 1;
-  s.shape.vertices.conservativeResize(n, 2);
-  s.shape.vertices.row(n - 1) << -1.0, 0.5;
-  const auto key = [&](double roll, double turn, double x, double y) {
-    Points p = s.shape.vertices;
-    if (roll != 0.0) p.topRows(51) = rolled(s.shape.vertices.topRows(51), roll);
-    p.middleRows(51, 16) = rigid_motion(s.shape.vertices.middleRows(51, 16), turn, 0.0, y);
-    p.row(n - 1) += Eigen::RowVector2d(x * x, y);
-    return rigid_motion(p, 0.3 * turn, x, y);
-  };
-  s.keys = {s.shape.vertices, key(1.0, 0.5, 0.5, 0.2), key(2.4, 1.9, 1.0, 0.7), key(2.0, 2.2, 2.5, 0.1)};
-  s.options.key_times = Eigen::Vector4d(0.0, 1.0, 1.5, 4.0);
-  s.options.smooth = true;
-  return s;
-}
-
 /// The largest jump of a vertex's velocity at the key at `time`, and its largest velocity there.
 std::pair<double, double> jump_at(const Inbetweens& motion, double time) {
   const Points before = (motion.at(time) - motion.at(time - h)) / h,

@@ -187,6 +187,25 @@ TEST(HoldRepair, ScaledAndShearedStartsComeBack) {
   }
 }
 
+/// Upright, but so thin that the largest entries of the Hessian drown its smallest eigenvalues.
+TEST(HoldRepair, StartsThatAreAlmostALineComeBack) {
+  const Shape shape = grid(8);
+  for (const auto& [along, across] : {std::pair(1e3, 1e-6), {1e4, 1e-5}, {1e3, 1e-5}, {1e6, 1e-7}}) {
+    Points start = shape.vertices;
+    start.col(0) *= along;
+    start.col(1) *= across;
+    Poser poser(shape.vertices, shape.triangles);
+    poser.reset(start);
+    poser.set_handles(at(shape, {0, 7, 60}));
+    for (int i = 0; i < 20 && !poser.report().converged; ++i) {
+      if (i == 0) poser.move(start({0, 7, 60}, Eigen::all));
+      poser.settle();
+    }
+    EXPECT_TRUE(poser.positions().allFinite());
+    EXPECT_EQ(poser.report().flipped, 0) << along;
+  }
+}
+
 TEST(HoldRepair, ManyHandlesAndVeryDifferentWeights) {
   const Shape shape = grid(15);
   std::vector<int> vertices;
