@@ -23,6 +23,7 @@ from ..scene.image.image_plane import ImagePlane
 from ..scene.image.importing import Undoing, import_planes, load
 from ..scene.objects.adding import select_alone
 from ..scene.pins import pin_list
+from ..scene.storage.paths import absolute
 from ..scene.view.shading import show_textures
 from .cutting_settings import CuttingSettings
 from .modal.long_job import Job, LongOperator
@@ -202,9 +203,9 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
         """Each file once, in the order in which they are given."""
         names = [file.name for file in self.files if file.name]
         if names:
-            folder = Path(bpy.path.abspath(self.directory))
+            folder = absolute(self.directory)
             return list(dict.fromkeys(folder / name for name in names))
-        return [Path(bpy.path.abspath(self.filepath))] if self.filepath else []
+        return [absolute(self.filepath)] if self.filepath else []
 
     def _plane_options(self) -> dict[str, Any]:
         return {

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import bpy
@@ -19,6 +18,7 @@ from ..scene.flatten import flat_mesh, pattern, pushing, refreshing, surface, uv
 from ..scene.flatten.link import is_flat_mesh
 from ..scene.objects.flat_object import make_current
 from ..scene.pins import pin_list
+from ..scene.storage.paths import absolute
 from .modal.long_job import Job, LongOperator
 from .modal.object_posing import ObjectPosing
 from .posing_operator import PosingOperator
@@ -230,7 +230,7 @@ class PLANAR_OT_export_pattern(PosingOperator, ExportHelper, bpy.types.Operator)
     def apply(self, context: bpy.types.Context) -> None:
         if not self.filepath:
             raise Refusal("Where is the pattern to be written? Give a path")
-        path = Path(bpy.path.abspath(self.filepath))
+        path = absolute(self.filepath)
         pattern.export(context.object, path, context.scene.unit_settings.scale_length)
         self.report({"INFO"}, f"Written to {path}")
 

@@ -17,6 +17,7 @@ import numpy as np
 from ...errors import Refusal
 from ...model.image.art import Art, art_of
 from ...model.plane.frame import Array32
+from ..storage.paths import absolute
 
 WITHOUT_ALPHA = (8, 24, 96)  # bits a pixel in the file; in Blender all have four channels
 MOST_PIXELS = 16384  # a side, as native/include/planar/cutout.h
@@ -99,7 +100,7 @@ def _loaded(path: Path) -> Iterator[bpy.types.Image]:
 
 def path_of(image: bpy.types.Image) -> Path:
     """The file of an image, of a sequence its first one."""
-    return Path(bpy.path.abspath(image.filepath, library=image.library))
+    return absolute(image.filepath, image.library)
 
 
 def frames(image: bpy.types.Image, user: bpy.types.ImageUser) -> Iterator[Frame]:

@@ -10,7 +10,6 @@ frames: sample number = frame * frame_scale - frame_start of the modifier, blend
 from __future__ import annotations
 
 import contextlib
-import os
 import stat
 import struct
 import uuid
@@ -23,6 +22,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array32
+from ..storage import paths
 
 MODIFIER = "Point Cache"
 SUFFIX = ".pc2"
@@ -119,7 +119,7 @@ def play(obj: bpy.types.Object, path: Path, frames: range) -> None:
     obj.modifiers.move(obj.modifiers.find(modifier.name), 0)
     settings = {
         "cache_format": "PC2",
-        "filepath": _stored(path),
+        "filepath": paths.stored(path),
         "play_mode": "SCENE",
         "time_mode": "FRAME",
         "interpolation": "LINEAR",
@@ -136,25 +136,12 @@ def play(obj: bpy.types.Object, path: Path, frames: range) -> None:
     obj.update_tag()  # the file may be another one under the same name
 
 
-def _absolute(filepath: str, library: bpy.types.Library | None = None) -> Path:
-    # Without resolving links, which the user may have set up to be followed later.
-    return Path(os.path.abspath(bpy.path.abspath(filepath, library=library)))  # noqa: PTH100  takes .. away
-
-
 def _file(filepath: str) -> Path:
-    return _absolute(bpy.path.ensure_ext(filepath, SUFFIX))
+    return paths.absolute(bpy.path.ensure_ext(filepath, SUFFIX))
 
 
 def _file_of(modifier: bpy.types.Modifier) -> Path | None:
-    return _absolute(modifier.filepath, modifier.id_data.library) if modifier.filepath else None
-
-
-def _stored(path: Path) -> str:
-    """The path as the .blend keeps it on every system: relative to itself where there is a way from it."""
-    if bpy.data.filepath:
-        with contextlib.suppress(ValueError):  # another drive
-            return str(bpy.path.relpath(str(path))).replace(os.sep, "/")
-    return str(path)
+    return paths.absolute(modifier.filepath, modifier.id_data.library) if modifier.filepath else None
 
 
 def _other_users(obj: bpy.types.Object, path: Path) -> list[str]:
