@@ -20,7 +20,7 @@ NATIVE = frozenset(("planar_native",))
 # which is Python's own modules and NumPy, is free to all.
 MAY_IMPORT = {
     "errors": frozenset[str](),
-    "native": NATIVE,
+    "native": NATIVE | {"errors"},
     "compat": BLENDER,
     "model": frozenset(("native",)),
     "scene": BLENDER | {"compat", "errors", "native", "model"},
@@ -30,7 +30,8 @@ MAY_IMPORT = {
     "batch": BLENDER | {"errors", "native", "scene"},
     "events": BLENDER | {"compat", "errors", "model", "operators", "scene"},
     "registration": BLENDER | {"batch", "errors", "events", "operators", "preferences", "scene", "ui"},
-    "__init__": frozenset(("registration",)),
+    "updating": BLENDER | {"compat", "errors"},  # and registration, by its name once that can be imported
+    "__init__": frozenset(("updating",)),
 }
 # What is in these rooms may import what comes before it there.
 ORDER = {

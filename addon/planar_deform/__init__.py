@@ -4,13 +4,13 @@
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""
-    from . import registration
+    from . import updating
 
-    registration.register()
+    updating.register()
 
 
 def unregister() -> None:
     """Called by Blender when the extension is disabled."""
-    from . import registration
+    from . import updating
 
-    registration.unregister()
+    updating.unregister()

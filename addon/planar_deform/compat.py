@@ -3,6 +3,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
+from pathlib import Path
+
+import addon_utils
 import bpy
 
 # Of a property that is a path and may begin with "//", relative to the .blend.
@@ -91,3 +96,20 @@ def uv_pins(mesh: bpy.types.Mesh) -> bpy.types.bpy_prop_collection:
     """
     layer = mesh.uv_layers.active
     return layer.pin_ensure().data if hasattr(layer, "pin_ensure") else layer.pin
+
+
+def unpack_wheels(package: str) -> bool:
+    """Have Blender unpack the wheels of its extensions again, those that are missing; false if it cannot.
+
+    It does so when its cache tells of changes alone, and the cache does not tell of wheels that failed to be
+    unpacked.
+    """
+    if not package.startswith("bl_ext.") or not hasattr(addon_utils, "extensions_refresh"):
+        return False
+    folder = Path(bpy.utils.user_resource("EXTENSIONS"))
+    with contextlib.suppress(OSError):
+        (folder / ".cache" / "compat.dat").unlink()
+    for name in [name for name in sys.modules if name.split(".")[0] == "planar_native"]:
+        del sys.modules[name]
+    addon_utils.extensions_refresh(addon_modules_pending=[package])
+    return True

@@ -15,6 +15,10 @@ class ObjectGone(Exception):  # noqa: N818
     """The object or mesh a posing began with has been deleted, replaced or edited meanwhile."""
 
 
+class RestartNeeded(ImportError):  # noqa: N818
+    """The compiled module in memory is of another version than the files of the add-on."""
+
+
 class Refusals:
     """Those of several things, told together."""
 

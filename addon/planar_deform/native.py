@@ -3,25 +3,37 @@
 
 from __future__ import annotations
 
+import sys
+import tomllib
+from pathlib import Path
 from typing import Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import RestartNeeded
+
+_in_memory = "planar_native" in sys.modules
 try:
     import planar_native
-except ImportError as error:
+
+    _found = planar_native.build_info()["version"]
+except (ImportError, AttributeError) as error:  # the latter where all but the folder has gone
     raise ImportError(
         "Planar Deform's compiled module cannot be loaded on this platform or Python version: "
         "install the extension file made for this system"
     ) from error
 
-NEEDED = (0, 1)  # the interface this package was written for: major and minor version
-_found = planar_native.build_info()["version"]
-if tuple(int(number) for number in _found.split(".")[:2]) != NEEDED:
-    needed = ".".join(map(str, NEEDED))
+# Both are made together, and of one version.
+with Path(__file__).with_name("blender_manifest.toml").open("rb") as _file:
+    _needed = tomllib.load(_file)["version"]
+if _found != _needed:
+    if _in_memory:  # no process lets go of a compiled module
+        raise RestartNeeded(
+            f"Restart Blender to finish the update of Planar Deform from version {_found} to {_needed}"
+        )
     raise ImportError(
-        f"Planar Deform needs version {needed} of its compiled module and found {_found}: "
+        f"Planar Deform needs version {_needed} of its compiled module and found {_found}: "
         "remove other copies of the extension, install it again and restart Blender"
     )
 

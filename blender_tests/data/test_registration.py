@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Enabling and disabling the add-on leaves Blender as it was; errors on the way are not swallowed."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import bpy
 import pytest
 from support import bar
@@ -121,6 +125,32 @@ def test_unregistering_goes_on_when_others_have_taken_parts_away():
     assert Run.ended
     assert not hasattr(bpy.types.Object, "planar")
     planar_deform.register()
+
+
+UPDATED = """
+import sys
+sys.path.append(sys.argv[1])
+import planar_native
+planar_native.build_info = lambda: {"version": "0.0.9"}
+import bpy
+import planar_deform
+def ours():
+    return [name for name in dir(bpy.types) if name.upper().startswith("PLANAR")], dir(bpy.ops.planar)
+planar_deform.register()
+print(ours())
+planar_deform.unregister()
+print(ours())
+"""
+
+
+def test_with_the_module_of_another_version_in_memory_only_a_restart_is_asked_for():
+    import planar_deform
+
+    command = [sys.executable, "-c", UPDATED, Path(planar_deform.__file__).parents[1]]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+    told, *registered_then = done.stdout.splitlines()
+    assert told.startswith("Restart Blender to finish the update of Planar Deform from version 0.0.9 to ")
+    assert registered_then == ["(['PLANAR_PT_restart'], [])", "([], [])"]
 
 
 def test_every_operator_has_a_description_and_a_tidy_label():

@@ -7,9 +7,12 @@ import sys
 import pytest
 
 MISSING = "sys.modules['planar_native'] = None"
-OTHER = (
-    "fake = sys.modules['planar_native'] = type(sys)('planar_native'); "
-    "fake.build_info = lambda: {'version': '7.3.1'}"
+EMPTY = "sys.modules['planar_native'] = type(sys)('planar_native')"  # of its folder alone
+LOADED = f"{EMPTY}; sys.modules['planar_native'].build_info = lambda: {{'version': '7.3.1'}}"
+ON_DISK = (
+    "import pathlib, tempfile; folder = pathlib.Path(tempfile.mkdtemp()); "
+    "(folder / 'planar_native.py').write_text('build_info = lambda: dict(version=\\'7.3.1\\')'); "
+    "sys.path.insert(0, str(folder))"
 )
 
 
@@ -17,7 +20,9 @@ OTHER = (
     ("module", "expected"),
     [
         (MISSING, "install the extension file made for this system"),
-        (OTHER, "found 7.3.1: remove other copies"),
+        (EMPTY, "install the extension file made for this system"),
+        (ON_DISK, "found 7.3.1: remove other copies"),
+        (LOADED, "Restart Blender to finish the update of Planar Deform from version 7.3.1 to"),
     ],
 )
 def test_the_message_says_what_to_do(module, expected):
