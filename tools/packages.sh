@@ -11,6 +11,8 @@ build_packages=(
 cross_packages=(python3-venv ccache cmake ninja-build libeigen3-dev libcgal-dev)
 # What the bpy wheels load, though they draw no window.
 bpy_packages=(libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libxext6 libgl1)
+# What runs Windows' programs.
+wine_packages=(wine64)
 # The library's tests and benchmarks.
 native_test_packages=(libgtest-dev libbenchmark-dev)
 # What CHOLMOD's own numbers, which the benchmarks stand beside, need to be fast.

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Runs a program for Windows under wine, which is installed and gets a home in build/wine/prefix when first used.
+# Its output goes through a pipe: wine 8 gives Python no files to write to.
+# usage: tools/wine/run.sh PROGRAM.exe ARGUMENTS...
+set -euo pipefail
+project=$(realpath "$(dirname "$0")/../..")
+# shellcheck source=tools/packages.sh
+source "$project/tools/packages.sh"
+"$project/tools/apt.sh" "${wine_packages[@]}" >&2
+export WINEPREFIX=$project/build/wine/prefix WINEDEBUG=-all
+wine=/usr/lib/wine/wine64
+mkdir -p "$project/build/wine"
+(
+    flock 9
+    [[ -e $WINEPREFIX/.made ]] && exit
+    "$wine" wineboot --init </dev/null >"$WINEPREFIX.log" 2>&1
+    touch "$WINEPREFIX/.made"
+) 9>"$project/build/wine/prefix.lock"
+"$wine" "$@" </dev/null 2>&1 | tr -d '\r'
