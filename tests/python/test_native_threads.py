@@ -118,6 +118,7 @@ def test_other_threads_run_during_a_solve(method):
     assert len(middle) >= 3
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no process forks here (Windows)")
 def test_a_forked_process_uses_and_drops_objects_of_its_parent():
     """It has no threads but its own; large enough that the parent's objects have some."""
     rest, triangles = reference.bar(columns=60, rows=30)
