@@ -10,6 +10,7 @@ frames: sample number = frame * frame_scale - frame_start of the modifier, blend
 from __future__ import annotations
 
 import contextlib
+import os
 import stat
 import struct
 import uuid
