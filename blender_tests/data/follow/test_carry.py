@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from carry_scenes import attach, body, choose, drag, lantern, motion, place_of, seen, strip
+from follow_scenes import empty
 from support import activate, add_pins, coordinates
 
 CLOSE = 4e-3  # how near pins come to where they are led
@@ -60,6 +61,10 @@ def test_the_carrier_s_transform_takes_it_along(pair):
     carried_by(carrier, before, obj)
     obj.rotation_euler = (0.0, -0.3, 0.0)
     carrier.location.z += 0.1
+    bpy.context.view_layer.update()
+    carried_by(carrier, before, obj)
+    carrier.parent = empty((0.0, 0.0, 0.0), "Holder")
+    carrier.parent.location = (0.2, 0.0, 0.5)
     bpy.context.view_layer.update()
     carried_by(carrier, before, obj)
 
