@@ -204,20 +204,64 @@ def test_the_pose_tool(window: Any) -> Iterator[None]:
     obj.planar.show_mesh = False
 
 
+def oval(name: str, at: tuple[float, float, float], size: tuple[float, float], colour: str) -> Any:
+    """A drawing of one colour, round at its ends, in the XZ plane about a place."""
+    columns, rows = 8, max(8, round(8 * size[1] / size[0]))
+    places = [(2 * i / columns - 1, 2 * j / rows - 1) for j in range(rows + 1) for i in range(columns + 1)]
+    round_x = ((x * math.sqrt(1 - 0.5 * z**4), z * math.sqrt(1 - 0.5 * x * x)) for x, z in places)
+    corners = [j * (columns + 1) + i for j in range(rows) for i in range(columns)]
+    mesh = bpy.data.meshes.new(name)
+    faces = [(k, k + 1, k + columns + 2, k + columns + 1) for k in corners]
+    mesh.from_pydata([(0.5 * size[0] * x, 0.0, 0.5 * size[1] * z) for x, z in round_x], [], faces)
+    obj = bpy.data.objects.new(name, mesh)
+    obj.location = at
+    obj.color = [*(int(colour[k : k + 2], 16) / 255 for k in (0, 2, 4)), 1.0]
+    bpy.context.collection.objects.link(obj)
+    return obj
+
+
 def test_several(window: Any) -> Iterator[None]:
-    """Both characters, a pin of each selected, dragged as one."""
-    yield from opened(window, "Lantern Fox", WAVE, (2.0, 2.0), 9.5)
-    objects = [obj for obj in bpy.context.view_layer.objects if obj.type == "MESH" and obj.planar.pins]
-    for obj in objects:
-        obj.hide_set(False)
+    """A doll of six objects, all selected, whose head and hands are dragged as one."""
+    pink, blue, grey = "d98c7a", "4a6fa5", "39424e"
+    doll = [
+        oval("Leg.L", (0.28, 0.02, -1.25), (0.34, 1.5), grey),
+        oval("Leg.R", (-0.28, 0.02, -1.25), (0.34, 1.5), grey),
+        oval("Arm.L", (0.62, 0.01, 0.0), (0.28, 1.5), pink),
+        oval("Arm.R", (-0.62, 0.01, 0.0), (0.28, 1.5), pink),
+        oval("Head", (0.0, 0.01, 1.15), (0.8, 0.9), pink),
+        oval("Body", (0.0, 0.0, 0.0), (1.1, 1.7), blue),
+    ]
+    for obj in doll:
+        for other in doll:
+            other.select_set(other == obj)
+        bpy.context.view_layer.objects.active = obj
+        bpy.context.view_layer.update()
+        x, _, z = obj.location
+        half = 0.4 * obj.dimensions.z * (-1.0 if obj.name in {"Head", "Body"} else 1.0)
+        for place in (half, -half):
+            bpy.ops.planar.add_pin(location=(x, obj.location.y, z + place))
+        obj.planar.pins[0].select, obj.planar.pins[1].select = False, obj.name[:3] in {"Arm", "Hea"}
+    for obj in doll:
         obj.select_set(True)
-        for pin in obj.planar.pins:
-            pin.select = False
+        obj.planar.pins[1].select = obj.name[:3] in {"Arm", "Hea"}
+    yield from window.look("FRONT", 7.0)
+    space = window.area.spaces.active
+    space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "FLAT", "OBJECT"
+    space.overlay.show_outline_selected = space.overlay.show_object_origins = False
+    space.overlay.show_cursor = space.overlay.show_extras = False
+    space.show_region_ui = True
+    yield from window.use_tool()
     yield from window.wait(0.5)
-    yield from window.click(pin_place(window, "Near Hand"))
-    other = next(obj for obj in objects if obj != bpy.context.object)
-    other.planar.pins[-1].select = True
-    yield from pulled(window, "Near Hand", (-60, 50))
+    window.region("UI").active_panel_category = "Planar"
+    window.region("UI").tag_redraw()
+    yield from large_view(window)
+    hand = bpy.data.objects["Arm.L"]
+    x, y = window.pixel((hand.location.x, 0.0, hand.location.z - 0.6))
+    yield from window.hover((x, y))
+    yield from window.press()
+    yield from window.move((x + 60, y + 40), steps=8)
+    yield from window.settled()
+    yield from window.wait(0.5)
     save("several", shot(window, "several", window.area))
     yield from window.key("ESC")
 
