@@ -170,7 +170,7 @@ class Remesh:
         self, hung: Carrying, cutout: Cutout, pins: list[Binding | None]
     ) -> list[tuple[Holder, Holder]]:
         """What holds each pin of one part on the old mesh and on the new one."""
-        found = []
+        found: list[tuple[Holder, Holder]] = []
         for held, binding in zip(self._held, pins, strict=True):
             if len(np.unique(self._now.drawing.parts[held.holder.pin.vertices])) == 1:
                 rows, weights = binding or self._group(hung, held.group, self._groups[held.group])
