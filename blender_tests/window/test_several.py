@@ -104,7 +104,9 @@ def test_keyed_and_filled_as_one(window: Window) -> Iterator[None]:
     assert [len(obj.planar.poses) for obj in objects()] == [2, 2, 2]
     with window.context():
         bpy.ops.planar.generate_inbetweens("INVOKE_DEFAULT", True)
-    yield from window.wait(1.0)
+    while window.busy:
+        yield
+    yield
     assert [obj.planar.poses[0].generated for obj in objects()] == [7, 7, 7]
     yield from window.undo()
     assert [obj.planar.poses[0].generated for obj in objects()] == [0, 0, 0]
