@@ -12,7 +12,7 @@ from ..model.plane.frame import Array
 from ..model.plane.locate import MeshPoint
 from ..scene.lattice.posed import PosedObject, begin_posing
 from ..scene.lattice.posed_lattice import PosedLattice
-from ..scene.objects.cutout_object import pose_refusal
+from ..scene.objects.cutout_object import pose_refusal, read_cutout
 from ..scene.objects.modifiers import of_lattice
 from ..scene.pins import pin_list
 from ..scene.telling import said, say
@@ -191,10 +191,12 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        seen = None if context.region_data is None else snapshot.in_view(context)
-        if seen is None:
+        if context.region_data is None:
             return {"PASS_THROUGH"}
         mouse = event.mouse_region_x, event.mouse_region_y
+        seen = snapshot.in_view(context)
+        if seen is None:
+            return {"PASS_THROUGH"} if pin_list.has_pins(context.object) else self._of_drawing(context, mouse)
         pin = pin_under(context.region, context.region_data, seen.pins, mouse)
         if pin is None:
             return self._of_drawing(context, mouse)
@@ -209,7 +211,11 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
     def _of_drawing(self, context: bpy.types.Context, mouse: tuple[int, int]) -> set[str]:
         """Beside all pins: of the drawing if the mouse is on it, else Blender's menu of the object."""
         under = _object_under(context, *ray(context.region, context.region_data, mouse))
-        if under is None or under != context.object or pose_refusal(under) is not None:
+        if under is None or under != context.object:
+            return {"PASS_THROUGH"}
+        try:
+            read_cutout(under)
+        except Refusal:
             return {"PASS_THROUGH"}
         bpy.ops.wm.call_menu(name=DRAWING_MENU)
         return {"FINISHED"}
