@@ -337,3 +337,18 @@ def test_pins_behind_others_are_selected_by_a_box_in_perspective(window: Window)
     yield from window.move(window.pixel((1.0, 2.0, 1.0)), steps=4)
     yield from window.release()
     assert selected() == [0], "of the active drawing alone"
+
+
+def test_the_right_button_opens_the_menu_of_a_drawing_without_pins(window: Window) -> Iterator[None]:
+    sheet()
+    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from window.look()
+    yield from window.use_tool()
+    for key in ("K", "X"):
+        yield from window.click(window.pixel((0.0, 0.0, 0.2)), "RIGHTMOUSE")
+        yield from window.wait(0.3)
+        window.picture(f"drawing-menu-no-pins-{key}")
+        yield from window.key(key)
+        yield from window.wait(0.3)
+        yield from window.key("ESC")
+        assert len(active().planar.poses) == 1, "its first entry keys, and nothing is deleted"

@@ -12,7 +12,7 @@ from ..model.plane.frame import Array
 from ..model.plane.locate import MeshPoint
 from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.lattice.posed_lattice import PosedLattice
-from ..scene.objects.cutout_object import pose_refusal
+from ..scene.objects.cutout_object import pose_refusal, read_cutout
 from ..scene.objects.modifiers import of_lattice
 from ..scene.pins.taking_part import taking_part, with_pins
 from ..scene.telling import said, say
@@ -217,10 +217,13 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if context.region_data is None or not with_pins(context):
+        if context.region_data is None:
             return {"PASS_THROUGH"}
         mouse = event.mouse_region_x, event.mouse_region_y
-        place = pin_under(context.region, context.region_data, snapshot.pins_in_view(context), mouse)
+        places = snapshot.pins_in_view(context)
+        if not places and with_pins(context):
+            return {"PASS_THROUGH"}
+        place = pin_under(context.region, context.region_data, places, mouse)
         pin = None if place is None else pin_at(place)
         if place is None or pin is None:
             return self._of_drawing(context, mouse)
@@ -235,7 +238,11 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
     def _of_drawing(self, context: bpy.types.Context, mouse: tuple[int, int]) -> set[str]:
         """Beside all pins: of the drawing if the mouse is on it, else Blender's menu of the object."""
         under = _object_under(context, *ray(context.region, context.region_data, mouse))
-        if under is None or under != context.object or pose_refusal(under) is not None:
+        if under is None or under != context.object:
+            return {"PASS_THROUGH"}
+        try:
+            read_cutout(under)
+        except Refusal:
             return {"PASS_THROUGH"}
         bpy.ops.wm.call_menu(name=DRAWING_MENU)
         return {"FINISHED"}
