@@ -92,6 +92,7 @@ def other_compilers() -> list[Suite]:
     return [
         *map(native, ("clang", "zig", "zig-windows")),
         wine("python", WINE_BPY_VERSIONS[0]),
+        wine("update", WINE_BPY_VERSIONS[0]),
         *(wine("data", bpy) for bpy in WINE_BPY_VERSIONS),
     ]
 

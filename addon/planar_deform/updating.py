@@ -11,6 +11,7 @@ wheel away, fails to unpack the new one, removes what is left when it starts nex
 from __future__ import annotations
 
 import importlib
+import sys
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -82,5 +83,5 @@ def _registration() -> Any:
     except ImportError:
         if not compat.unpack_wheels(__package__):
             raise
-    importlib.invalidate_caches()
+    sys.path_importer_cache.clear()  # what was not there may be now
     return importlib.import_module(name)

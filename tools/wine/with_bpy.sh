@@ -1,17 +1,22 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs a Python command in a Python for Windows under wine, with one version of Windows' bpy, pytest and the module of
-# the extension for Windows.
-# usage: tools/wine/with_bpy.sh BPY_VERSION ARGUMENTS_OF_PYTHON...
+# Runs a Python command in a Python for Windows under wine, with one version of Windows' bpy, pytest and, unless it is
+# bare, the module of the extension for Windows.
+# usage: tools/wine/with_bpy.sh [--bare] BPY_VERSION ARGUMENTS_OF_PYTHON...
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+bare=
+if [[ $1 == --bare ]]; then
+    bare=yes
+    shift
+fi
 version=$1
 shift
 case $version in
     4.2.* | 4.5.* | 5.0.*) tag=cp311 ;;
     *) tag=cp313 ;;
 esac
-make --silent extension PLATFORM=windows >&2
+[[ $bare ]] || make --silent extension PLATFORM=windows >&2
 tools/cross/setup.sh windows-x64 >&2
 site=build/wine/bpy-$version
 module=build/wine/module
@@ -27,6 +32,7 @@ module=build/wine/module
             --requirement "tools/requirements/bpy-$version.txt" --requirement tools/requirements/test.txt
         echo "$stamp" >"$site/.stamp"
     fi
+    [[ ! $bare ]] || exit 0
     wheel=$(echo build/extension/windows-x64/*.whl)
     if [[ ! -e $module/.of || $wheel -nt $module/.of ]]; then
         rm -rf "$module"
@@ -34,15 +40,13 @@ module=build/wine/module
         touch "$module/.of"
     fi
 ) 9>"$(mkdir -p build/wine && echo build/wine/lock)"
-if [[ ${1:-} == --print-path ]]; then # for who starts Python itself
-    realpath "$site"
-    exit
-fi
 as_windows() { # a folder here as a path there
     local path
     path=Z:$(realpath "$1")
     echo "${path//\//\\}"
 }
-PYTHONPATH="$(as_windows "$module");$(as_windows "$site")" PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=1 \
+packages=$(as_windows "$site")
+[[ $bare ]] || packages="$(as_windows "$module");$packages"
+PYTHONPATH=$packages PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=1 \
     BLENDER_USER_RESOURCES="${BLENDER_USER_RESOURCES:-$(as_windows build/wine)\\home}" \
     exec tools/wine/run.sh build/wine/$tag/python.exe "$@"
