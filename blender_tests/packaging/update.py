@@ -93,7 +93,9 @@ def update(*archives: str) -> list[dict]:
 
 def restart() -> list[dict]:
     """A bpy module starts with factory settings, where the program enables what its user did."""
-    import addon_utils
+    import bpy  # noqa: F401  knows where the next is
+
+    import addon_utils  # isort: skip
 
     addon_utils.enable(MODULE, default_set=True, refresh_handled=True)
     return [state()]
