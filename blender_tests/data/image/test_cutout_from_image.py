@@ -231,7 +231,7 @@ def test_fifty_files_by_a_script(tmp_path):
     paths = [save(tmp_path, f"leaf {i}.png", blobs((20 + i / 2, 60), radius=12)) for i in range(50)]
     cutout(*paths, vertices=60)
     assert len(bpy.context.selected_objects) == len(bpy.data.objects) == len(bpy.data.images) == 50
-    assert bpy.data.objects["leaf 49"].matrix_world.translation.y == pytest.approx(-0.49)
+    assert bpy.data.objects["leaf 49"].matrix_world.translation.y == pytest.approx(-0.098)
 
 
 def test_size_alignment_and_the_cursor_are_blenders(drawing):
@@ -398,7 +398,7 @@ def test_real_drawings(path):
 
 def test_a_depth_takes_a_layer_across_the_next_one(tmp_path):
     paths = [save(tmp_path, f"{name}.png", blobs((60, 45), radius=40)) for name in ("arm", "head")]
-    obj = cutout(*paths, layers="PARTS", vertices=200)
+    obj = cutout(*paths, layers="PARTS", vertices=200, size_mode="ABSOLUTE", height=1.0)
     obj.select_set(True)
     behind = obj.data.vertices[0]
     assert bpy.ops.planar.add_pin(location=obj.matrix_world @ behind.co) == {"FINISHED"}

@@ -101,8 +101,9 @@ class SeveralPosing:
         try:
             self.solve(path, settle=settle, ways=ways)
             solved = self.model.solved()
-            for posing, one in zip(self.posings, solved.each, strict=True):
-                posing.write(one)
+            for (posing, name), one in zip(self._named(), solved.each, strict=True):
+                with naming(name):
+                    posing.write(one)
             return self.finish(solved)
         except Exception:
             self.cancel()
@@ -146,8 +147,9 @@ class SeveralPosing:
 
     def show(self, solved: SolvedTogether) -> None:
         """Show what a thread has solved, and where all pins are by now. Raises ObjectGone."""
-        for posing, one in zip(self.posings, solved.each, strict=True):
-            posing.show(one)
+        for (posing, name), one in zip(self._named(), solved.each, strict=True):
+            with naming(name):
+                posing.show(one)
 
     def keep(self, solved: SolvedTogether) -> None:
         """Let the pins hold the drawings where this, which is shown, left them."""

@@ -384,6 +384,9 @@ class _Undo:
         frame, curve = bpy.context.scene.frame_current_final, shown_curve(keys)
         if frame != self._frame and curve is not None:  # the timeline has gone on
             keys.eval_time = curve.evaluate(frame)
+        elif self._eval_time >= HOLD:  # Blender reads the curve anew, and would take the unkeyed pose back
+            bpy.context.view_layer.update()
+            keys.eval_time = self._eval_time
         _activate(obj, self._active)
 
 
