@@ -125,5 +125,5 @@ def test_nothing_of_a_file_is_kept_when_another_one_comes(leave):
         planar_deform.unregister()
         left = {name for name, value in state().items() if before.get(name) != value}
         planar_deform.register()
-        left.discard("planar_deform.registration._undo")
+        left -= {"planar_deform.registration._undo", "planar_deform.updating._undo"}
     assert left <= {"planar_deform.scene.storage.changes._files"}, "which only counts the files"
