@@ -28,9 +28,9 @@ lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, what imports what, and 
 bench: ## Tables of the solver's speed, of a drag's cost in Blender's window, and beside libigl
 	@tools/bench.sh
 
-# all or one of linux, windows, macos-arm64, macos-x64
-PLATFORM ?= all
-extension: dist/.built-$(PLATFORM) ## dist/planar_deform-*.zip for Linux, Windows and macOS, or for one PLATFORM=linux
+# Or windows, macos-arm64, macos-x64, all: these have not been linked yet, see docs/platforms.md.
+PLATFORM ?= linux
+extension: dist/.built-$(PLATFORM) ## dist/planar_deform-*.zip for Linux, to be installed in Blender; or for another PLATFORM
 
 # What is packed or compiled, with its folders, whose dates tell of files that were added or removed.
 EXTENSION_SOURCES := $(shell find addon native CMakeLists.txt pyproject.toml LICENSE tools/build_extension* \

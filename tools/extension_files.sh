@@ -13,7 +13,7 @@ for name in "$@"; do
     esac
 done
 if ((${#platforms[@]} == 0)); then
-    make --silent extension
+    make --silent extension PLATFORM=all
     platforms=(linux-x64 windows-x64 macos-arm64 macos-x64)
 fi
 blender_ext=$(echo .venv/lib/python3.*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
