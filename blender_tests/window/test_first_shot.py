@@ -156,7 +156,8 @@ def test_ten_seconds_by_mouse_and_keys(window: Window) -> Iterator[None]:
     yield from window.key("N")
     yield from window.sidebar()
     yield from window.push("planar.generate_inbetweens")
-    yield from window.wait(1.0)
+    while window.busy:
+        yield from window.wait(0.1)
 
     size = float(np.linalg.norm(np.ptp(rest, axis=0)))
     steps, before = [], keyed[1]
