@@ -101,7 +101,8 @@ Complex PartPlacer::path_slope(const Part& part, double u) {
   const double rate = part.arc + (u > 0.5 ? part.arc_change.last : part.arc_change.first);
   // d/dv (e^{iv·arc} - 1) / (e^{i·arc} - 1)
   const double half = part.arc / 2.0;
-  return std::polar(rate / (2.0 * std::sin(half)), part.arc * u - half) * (part.to - part.from);
+  // Not as the length of a polar form: LLVM makes no number of one that is negative.
+  return rate / (2.0 * std::sin(half)) * std::polar(1.0, part.arc * u - half) * (part.to - part.from);
 }
 
 void PartPlacer::join(PartPlacer& before, PartPlacer& after, KeyGaps gaps) {
