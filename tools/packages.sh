@@ -18,6 +18,8 @@ native_test_packages=(libgtest-dev libbenchmark-dev)
 # What CHOLMOD's own numbers, which the benchmarks stand beside, need to be fast.
 benchmark_packages=(libopenblas0-pthread)
 lint_packages=(clang-format clang-tidy libomp-dev shellcheck)
+# What the tests without a Blender call.
+python_test_packages=(git)
 # A screen to open a window on, and pictures of it.
 screen_packages=(xvfb xauth libgl1-mesa-dri imagemagick)
 # Debian's own Blender. Without the last two 5.2's own extension add-on logs an import error.

@@ -29,8 +29,8 @@ bpy_environment() {
 
 case ${1:-} in
     demo) bpy_environment demo.txt ;;
-    test) tools/apt.sh "${native_test_packages[@]}" && bpy_environment test.txt ;;
+    test) tools/apt.sh "${native_test_packages[@]}" "${python_test_packages[@]}" && bpy_environment test.txt ;;
     native) tools/apt.sh "${build_packages[@]}" "${native_test_packages[@]}" ;;
-    lint) tools/apt.sh "${build_packages[@]}" "${native_test_packages[@]}" "${lint_packages[@]}" && bpy_environment test.txt lint.txt ;;
+    lint) tools/apt.sh "${build_packages[@]}" "${native_test_packages[@]}" "${python_test_packages[@]}" "${lint_packages[@]}" && bpy_environment test.txt lint.txt ;;
     *) sed -n 's/^# usage: /usage: /p' "$0" >&2 && exit 2 ;;
 esac

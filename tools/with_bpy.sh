@@ -19,7 +19,7 @@ if [[ ! $(/usr/bin/python3 --version) == "Python $python".* ]]; then
     exec tools/room.sh $room env EXTENSION_WHEEL="$(echo build/extension/linux-x64/*.whl)" \
         tools/with_bpy.sh "$version" "$@"
 fi
-tools/apt.sh "${build_packages[@]}" "${bpy_packages[@]}"
+tools/apt.sh "${build_packages[@]}" "${bpy_packages[@]}" "${python_test_packages[@]}"
 venv=build/bpy/$version
 tools/venv.sh "$venv" "bpy-$version.txt" test.txt
 tools/module.sh "$venv" ${EXTENSION_WHEEL:+"$EXTENSION_WHEEL"}

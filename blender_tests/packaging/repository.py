@@ -5,6 +5,7 @@ import contextlib
 import functools
 import html
 import http.server
+import io
 import re
 import shutil
 import sys
@@ -26,19 +27,23 @@ BEFORE = "0.0.1"
 
 
 def packed_as(archive: Path, version: str, folder: Path) -> Path:
-    """The same extension as another version."""
-    manifest = build_repository.MANIFEST
+    """The same extension as another version, its compiled modules, too: both are as long."""
     now = build_repository.manifest_of(archive)["version"]
-    target = folder / archive.name.replace(f"-{now}-", f"-{version}-")
-    with zipfile.ZipFile(archive) as source, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as copy:
+    check(len(now) == len(version), f"{version} cannot stand for {now} in a module: make both as long")
+    target = folder / archive.name.replace(now, version)
+    target.write_bytes(renamed(archive.read_bytes(), now.encode(), version.encode()))
+    return target
+
+
+def renamed(archive: bytes, now: bytes, version: bytes) -> bytes:
+    """An archive with another version wherever its own stands: in names, in files, in the archives in it."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(archive)) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)
-            if name == manifest:
-                line = f'\nversion = "{now}"\n'
-                check(line in content.decode(), f"{manifest} has no line {line!r}")
-                content = content.decode().replace(line, f'\nversion = "{version}"\n').encode()
-            copy.writestr(name, content)
-    return target
+            change = renamed if name.endswith(".whl") else bytes.replace
+            copy.writestr(name.replace(now.decode(), version.decode()), change(content, now, version))
+    return target.getvalue()
 
 
 @contextlib.contextmanager
@@ -61,6 +66,14 @@ def dragged(folder: Path, address: str) -> str:
     return urllib.parse.urljoin(address, html.unescape(link))
 
 
+def go_through(blender: Blender, *steps: str) -> None:
+    command = [*SCREEN, blender.program[0], *WINDOW, "--python", str(STEPS), "--", *steps]
+    result = blender.call(command, timeout=900)
+    check(result.returncode == 0, f"exit code {result.returncode}\n{result.stdout}")
+    check("GONE THROUGH" in result.stdout, f"not gone through\n{result.stdout}")
+    check("Traceback" not in result.stdout, result.stdout)
+
+
 def check_repository(blender: Blender, archive: Path) -> None:
     work = blender.cwd / "repository"
     work.mkdir()
@@ -73,12 +86,8 @@ def check_repository(blender: Blender, archive: Path) -> None:
     live.symlink_to(work / "before")
     before = blender.files()
     with served(live) as address:
-        steps = [dragged(live, address), str(live), str(work / "now"), BEFORE, now]
-        command = [*SCREEN, blender.program[0], *WINDOW, "--python", str(STEPS), "--", *steps]
-        result = blender.call(command, timeout=900)
-    check(result.returncode == 0, f"exit code {result.returncode}\n{result.stdout}")
-    check("REMOVED" in result.stdout, f"not gone through\n{result.stdout}")
-    check("Traceback" not in result.stdout, result.stdout)
+        go_through(blender, "update", dragged(live, address), str(live), str(work / "now"), BEFORE, now)
+        go_through(blender, "remove", now)
     left = [path for path in blender.files() - before if "planar" in path.name]
     check(not left, f"left on disk after the removal: {left[:5]}")
     shutil.rmtree(work)

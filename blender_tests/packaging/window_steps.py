@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a person does in Blender's window with the repository that repository.py serves:
 
-    blender --enable-event-simulate --python window_steps.py -- DROPPED SERVED NEXT VERSION NEXT_VERSION
+    blender ... --python window_steps.py -- update DROPPED SERVED NEXT VERSION LATER
+    blender ... --python window_steps.py -- remove LATER
 
 DROPPED is the address of the archive that is dropped into the window, SERVED the link to the folder that is
-served, which is to lead to NEXT for the update.
+served, which is to lead to NEXT for the update. After that Blender is started again.
 """
 
 import importlib
@@ -38,12 +39,20 @@ def folder() -> Path:
 
 
 def installed() -> str | None:
-    """The version that is installed and enabled."""
+    """The version that is installed and enabled, whether it works or asks for a restart."""
     manifest = folder() / "blender_manifest.toml"
     name = f"bl_ext.{bpy.context.preferences.extensions.repos[repository()].module}.planar_deform"
-    if not manifest.exists() or not addon_utils.check(name)[1] or not hasattr(bpy.types.Object, "planar"):
+    if not manifest.exists() or not addon_utils.check(name)[1]:
         return None
     return tomllib.loads(manifest.read_text(encoding="utf-8"))["version"]
+
+
+def works() -> bool:
+    return hasattr(bpy.types.Object, "planar") and bool(dir(bpy.ops.planar))
+
+
+def asks_for_restart() -> bool:
+    return hasattr(bpy.types, "PLANAR_PT_restart")
 
 
 def until(window: Window, done: Callable[[], bool], what: str) -> Iterator[None]:
@@ -73,7 +82,7 @@ def notify() -> ModuleType:
     return next(module for name, module in sys.modules.items() if name.endswith("bl_pkg.bl_extension_notify"))
 
 
-def story(window: Window, dropped: str, served: Path, following: Path, *versions: str) -> Iterator[None]:
+def update(window: Window, dropped: str, served: str, following: str, *versions: str) -> Iterator[None]:
     repos = bpy.context.preferences.extensions.repos
     for repo in [repo for repo in repos if repo.use_remote_url]:
         repos.remove(repo)  # Blender's own is not on this machine
@@ -96,21 +105,35 @@ def story(window: Window, dropped: str, served: Path, following: Path, *versions
     yield from until(window, lambda: installed() == versions[0], "the installation")
     yield from until(window, lambda: not window.busy, "the end of the installation")
 
-    link = served.with_name("next")
+    assert works()
+    assert not asks_for_restart()
+    solves(versions[0])
+
+    link = Path(served).with_name("next")
     link.symlink_to(following)
     link.replace(served)
     yield from run(window, "repo_sync_all")
     yield from run(window, "package_upgrade_all")
     assert installed() == versions[1], f"{installed()} is installed after the update"
-    used()
+    assert asks_for_restart()
+    assert not works(), "operators of the new version are there with the old module"
+    yield from window.wait(0.5)
+    window.picture("repository-4-restart")
+    bpy.ops.wm.save_userpref()
 
+
+def remove(window: Window, version: str) -> Iterator[None]:
+    known = len(bpy.context.preferences.extensions.repos)
+    assert installed() == version, f"{installed()} is installed after the restart"
+    assert works()
+    assert not asks_for_restart()
+    solves(version)
     yield from run(window, "package_uninstall", repo_index=repository(), pkg_id="planar_deform")
     assert not folder().exists(), "it is still there after the removal"
     assert not hasattr(bpy.types.Object, "planar"), "what was removed is still registered"
     assert not dir(bpy.ops.planar), dir(bpy.ops.planar)
     bpy.ops.preferences.extension_repo_remove(index=repository(), remove_files=True)
-    assert len(repos) == known
-    print("REMOVED", flush=True)
+    assert len(bpy.context.preferences.extensions.repos) == known - 1
 
 
 def run(window: Window, name: str, **options: int | str) -> Iterator[None]:
@@ -121,9 +144,10 @@ def run(window: Window, name: str, **options: int | str) -> Iterator[None]:
     yield from until(window, lambda: not window.busy, name)
 
 
-def used() -> None:
-    """The module that came with the update solves."""
+def solves(version: str) -> None:
+    """The module of this version does."""
     native = importlib.import_module("planar_native")
+    assert native.build_info()["version"] == version, native.build_info()
     poser = native.Poser([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]])
     poser.set_handles([0, 1])
     assert abs(poser.move([[0, 0], [1, 0.5]])).max() > 0.4
@@ -133,13 +157,14 @@ def main() -> None:
     preferences = bpy.context.preferences
     preferences.view.show_splash = False
     preferences.system.use_online_access = True
-    dropped, served, following, *versions = sys.argv[sys.argv.index("--") + 1 :]
-    running = story(Window(), dropped, Path(served), Path(following), *versions)
+    name, *arguments = sys.argv[sys.argv.index("--") + 1 :]
+    running = {"update": update, "remove": remove}[name](Window(), *arguments)
 
     def tick() -> float:
         try:
             next(running)
         except StopIteration:
+            print("GONE THROUGH", flush=True)
             leave(0)
         except BaseException:
             traceback.print_exc()

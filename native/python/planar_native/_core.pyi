@@ -272,9 +272,10 @@ class Flattener:
     @property
     def report(self) -> Report: ...
 
-def harmonic(
-    rest: ArrayLike, triangles: ArrayLike, held: ArrayLike, values: ArrayLike
-) -> NDArray[float64]: ...
+@final
+class Harmonic:
+    def __init__(self, rest: ArrayLike, triangles: ArrayLike, held: ArrayLike) -> None: ...
+    def spread(self, values: ArrayLike) -> NDArray[float64]: ...
 
 @final
 class Outline:

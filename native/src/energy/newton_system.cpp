@@ -11,7 +11,7 @@ namespace planar {
 
 namespace {
 
-constexpr double regularization = 1e-9;  // of the metric; 1 is the order of a triangle's blocks
+constexpr double regularization = 1e-9;       // of the metric; 1 is the order of a triangle's blocks
 constexpr double most_regularization = 1e-3;  // of the largest entry, if that is more than 1
 // Of conjugate gradients. Of 640 drags of ten characters that were hard to settle, half of them with slivers,
 // 2 take more than 60 Newton steps with five; 12 did without any.
