@@ -43,7 +43,9 @@ class Blender:
                 self.environment["PYTHONPATH"] = str(without_module(work / "packages"))
             self.program = [sys.executable, "-S", str(STEPS), "--"]
             self.command_line = None
-            tool = Path(find_spec("bpy").origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+            tool = Path(find_spec("bpy").origin).parent.glob(
+                "*/scripts/addons_core/bl_pkg/cli/blender_ext.py"
+            )
             self.validator = [sys.executable, str(next(tool)), "validate"]
         else:
             self.program = [path, "--background", "--python-exit-code", "1", "--python", str(STEPS), "--"]

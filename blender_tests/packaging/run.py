@@ -8,8 +8,8 @@
     tools/wine_tests.sh extension 4.2.23                                 the same in Windows' Python
 
 Blender runs with a home of its own, each step in a new process, as after a restart. A planar_native that this
-Python has is hidden from it (Windows' has none), so that only the extension's own wheel can be found. Exit code
-0 only if all passed.
+Python has is hidden from it (Windows' has none), so that only the extension's own wheel can be found. Exit
+code 0 only if all passed.
 """
 
 import argparse

@@ -51,7 +51,7 @@ class PinPath:
                 chord = complex(*(self.line[-1] - self.line[0]))
                 place = begin + (run - _begin(self.line)) * (way / chord)
         elif self.kind == "ARC" and abs(turn) > _STRAIGHT:
-            place = begin + way * (_on_circle(turn * u) - 1.0) / (_on_circle(turn) - 1.0)
+            place = begin + way * (np.exp(1j * turn * u) - 1.0) / (np.exp(1j * turn) - 1.0)
         else:
             place = begin + u * way
         return np.stack([place.real, place.imag], axis=1)
@@ -66,11 +66,6 @@ def bezier(before: Array, points: Array, behind: Array, *, closed: bool) -> Arra
     shares = (1.0 - t) ** 3, 3.0 * t * (1.0 - t) ** 2, 3.0 * t * t * (1.0 - t), t**3
     pieces = sum(share * corner[:, None] for share, corner in zip(shares, corners, strict=True))
     return np.concatenate([np.reshape(pieces, (-1, points.shape[1])), points[:1] if closed else points[-1:]])
-
-
-def _on_circle(angles: Array | float) -> NDArray[np.complex128]:
-    """NumPy's exp of complex numbers would ask the C library, and wine's has none."""
-    return np.asarray(np.cos(angles) + 1j * np.sin(angles))
 
 
 def _begin(line: Array) -> complex:
