@@ -180,9 +180,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             ended = pin_paths.split(find(), led_from, find().planar.poses[keyed].name)
             if ended:
                 names = ", ".join(f"'{name}'" for name in ended)
-                tell(
-                    f"The path along a curve now ends at the new pose: choose curves for both halves of {names}"
-                )
+                tell(f"The curve of {names} ends at the new pose now: choose one for each half of the way")
 
     # ---- by mouse and keys
 
