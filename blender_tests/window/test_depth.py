@@ -146,9 +146,7 @@ def test_eevee_draws_the_same_as_workbench(window: Window) -> Iterator[None]:
             seen = [rendered(engine, f"{name}-{engine}.png") for engine in ("BLENDER_WORKBENCH", eevee)]
             arms = [(one[:, :, 0] > one[:, :, 2]) & (one[:, :, 3] > 0.4) for one in seen]
             assert (seen[0][:, :, 3] > 0.4).sum() > 500
-            clear = (
-                np.s_[:, 46:] if behind else np.s_[:, :50]
-            )  # of the sharp bend, where triangles are edge-on
+            clear = np.s_[:, 46:] if behind else np.s_[:, :50]  # of the sharp bend
             assert np.count_nonzero((arms[0] != arms[1])[clear]) <= 4, (behind, depth)
             red[behind, depth] = int(arms[1].sum())
     more = {depth: red[False, depth] - red[True, depth] for depth in (2.0, -2.0)}
