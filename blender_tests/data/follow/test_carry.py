@@ -196,3 +196,22 @@ def test_pins_that_follow_nothing_go_on_being_posed():
     carried_by(carrier, before, obj, rows=range(38, 43))
     bpy.context.scene.frame_set(1)
     np.testing.assert_allclose(seen(obj)[:5].mean(axis=0), before["Lantern"][:5].mean(axis=0), atol=CLOSE)
+
+
+def test_a_lattice_goes_along_while_its_carrier_is_written():
+    carrier, obj = body(), strip("Flag", 1.7, -0.6, width=0.3, height=0.8, nx=4, ny=8, depth=-0.01, pins=None)
+    activate(obj)
+    assert bpy.ops.planar.fit_lattice(resolution=(5, 9)) == {"FINISHED"}
+    cage = bpy.context.object
+    for row in (40, 2):
+        place = obj.matrix_world @ obj.data.vertices[row].co
+        assert bpy.ops.planar.add_pin(location=place, extend=True) == {"FINISHED"}
+    choose(cage, 0, 1)
+    attach(cage, to=carrier)
+    before = seen(obj)
+    points = coordinates(carrier.data.vertices) + np.array([0.1, 0.0, 0.2])
+    bpy.context.view_layer.update()
+    carrier.data.vertices.foreach_set("co", points.astype(np.float32).ravel())  # as in a drag
+    carrier.data.update()
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(seen(obj) - before, np.broadcast_to((0.1, 0.2), before.shape), atol=CLOSE)
