@@ -215,3 +215,18 @@ def test_a_lattice_goes_along_while_its_carrier_is_written():
     carrier.data.update()
     bpy.context.view_layer.update()
     np.testing.assert_allclose(seen(obj) - before, np.broadcast_to((0.1, 0.2), before.shape), atol=CLOSE)
+
+
+def test_the_places_of_what_is_deleted_are_cleared():
+    carrier, obj, other = body(), lantern(), strip("Flag", 0.2, 0.1, width=0.3, nx=4)
+    carrier.vertex_groups.new(name="Place of my own")
+    for one in (obj, other):
+        choose(one, 0, 1)
+    attach(obj, other, to=carrier)
+    kept = {pin.follow_group for pin in other.planar.pins}
+    assert {pin.follow_group for pin in obj.planar.pins} - kept
+    bpy.context.view_layer.update()
+    bpy.data.objects.remove(obj)
+    bpy.context.scene.frame_set(2)
+    pins = {pin.group for pin in carrier.planar.pins}
+    assert set(carrier.vertex_groups.keys()) == {"Place of my own"} | kept | pins
