@@ -30,7 +30,8 @@ PROJECT = Path(__file__).resolve().parents[1]
 ADDON = PROJECT / "addon" / "planar_deform"
 PACKAGE = PROJECT / "native" / "python" / "planar_native"
 BUILD = PROJECT / "build" / "extension"
-SOURCES = PROJECT / "build" / "cross" / "sources"
+CROSS = PROJECT / "build" / "cross"
+SOURCES = CROSS / "sources"
 DIST = PROJECT / "dist"
 DATE = (1980, 1, 1, 0, 0, 0)  # the first that a zip can tell
 
@@ -206,12 +207,11 @@ def build_wheel(platform: Platform) -> Path:
 def notices() -> dict[str, bytes]:
     """The licences of what is compiled in, by name."""
     packages = Path(sys.executable).parents[1].joinpath("lib")
-    (zig,) = packages.glob("python3*/site-packages/ziglang")
     (pybind11,) = packages.glob("python3*/site-packages/pybind11-*.dist-info")
     files = {
         "cgal": Path("/usr/share/doc/libcgal-dev/copyright"),
         "eigen": Path("/usr/share/doc/libeigen3-dev/copyright"),
-        "libc++": zig / "lib" / "libcxx" / "LICENSE.TXT",
+        "libc++": CROSS / "zig" / "ziglang" / "lib" / "libcxx" / "LICENSE.TXT",
         "pybind11": next(pybind11.rglob("LICENSE")),
         "suitesparse": SOURCES / "suitesparse" / "LICENSE.txt",
     }

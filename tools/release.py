@@ -58,7 +58,7 @@ def disagreements(project: Path) -> list[str]:
         found.append(f"CHANGELOG.md begins with another version: give it an entry '## {version}'")
     texts = {"CHANGELOG.md": heads[0] if heads else ""}
     for path in (project / "README.md", *sorted((project / "docs").glob("*.md"))):
-        texts[str(path.relative_to(project))] = path.read_text(encoding="utf-8")
+        texts[path.relative_to(project).as_posix()] = path.read_text(encoding="utf-8")
     for name, text in texts.items():
         stated = BLENDERS.findall(text)
         if any(each != blenders for each in stated) or (name in ("CHANGELOG.md", "README.md") and not stated):

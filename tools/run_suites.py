@@ -93,6 +93,8 @@ def other_compilers() -> list[Suite]:
         *map(native, ("clang", "zig", "zig-windows")),
         wine("python", WINE_BPY_VERSIONS[0]),
         wine("update", WINE_BPY_VERSIONS[0]),
+        wine("exchange", WINE_BPY_VERSIONS[0]),
+        *(wine("extension", bpy) for bpy in WINE_BPY_VERSIONS),
         *(wine("data", bpy) for bpy in WINE_BPY_VERSIONS),
     ]
 

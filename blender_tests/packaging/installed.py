@@ -2,16 +2,19 @@
 """A Blender with a home of its own, in which the extension is installed as a user does it."""
 
 import json
+import os
 import subprocess
 import sys
 import sysconfig
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 PROJECT = Path(__file__).resolve().parents[2]
 STEPS = Path(__file__).with_name("steps.py")
 MODULE = "bl_ext.user_default.planar_deform"
+PLATFORM = "windows_x64" if sys.platform == "win32" else "linux_x64"
 
 
 class Blender:
@@ -20,25 +23,30 @@ class Blender:
     def __init__(self, path: str | None, work: Path) -> None:
         self.home = work / "home"
         self.cwd = work / "cwd"
-        packages = work / "packages"
-        for folder in (self.home, self.cwd, packages, work / "tmp"):
+        temporary = work / "tmp"
+        self.folders = (self.home, self.cwd, temporary)
+        for folder in self.folders:
             folder.mkdir()
-        self.environment = {
-            "HOME": str(self.home),
-            "TMPDIR": str(work / "tmp"),
-            "PATH": "/usr/bin:/bin",
-            "LANG": "C.UTF-8",
-            "LIBGL_ALWAYS_SOFTWARE": "1",
-        }
+        if sys.platform == "win32":  # whose home is not told by the environment
+            own = {"BLENDER_USER_RESOURCES": self.home, "TEMP": temporary, "TMP": temporary}
+            self.environment = {**os.environ, **{name: str(folder) for name, folder in own.items()}}
+        else:
+            self.environment = {
+                "HOME": str(self.home),
+                "TMPDIR": str(temporary),
+                "PATH": "/usr/bin:/bin",
+                "LANG": "C.UTF-8",
+                "LIBGL_ALWAYS_SOFTWARE": "1",
+            }
         if path is None:
-            for entry in Path(sysconfig.get_path("purelib")).iterdir():
-                if not entry.name.startswith(("planar_", "__pycache__")):
-                    (packages / entry.name).symlink_to(entry)
-            self.environment["PYTHONPATH"] = str(packages)
+            if sys.platform != "win32":
+                self.environment["PYTHONPATH"] = str(without_module(work / "packages"))
             self.program = [sys.executable, "-S", str(STEPS), "--"]
             self.command_line = None
-            (tool,) = packages.glob("bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
-            self.validator = [sys.executable, str(tool), "validate"]
+            tool = Path(find_spec("bpy").origin).parent.glob(
+                "*/scripts/addons_core/bl_pkg/cli/blender_ext.py"
+            )
+            self.validator = [sys.executable, str(next(tool)), "validate"]
         else:
             self.program = [path, "--background", "--python-exit-code", "1", "--python", str(STEPS), "--"]
             self.command_line = [path, "--command", "extension"]
@@ -99,8 +107,16 @@ class Blender:
             self.run(*self.command_line, "remove", "planar_deform")
 
     def files(self) -> set[Path]:
-        folders = (self.home, self.cwd, Path(self.environment["TMPDIR"]))
-        return {path for folder in folders for path in folder.rglob("*") if not path.is_dir()}
+        return {path for folder in self.folders for path in folder.rglob("*") if not path.is_dir()}
+
+
+def without_module(folder: Path) -> Path:
+    """The packages of this Python, but for a planar_native: links in `folder`."""
+    folder.mkdir()
+    for entry in Path(sysconfig.get_path("purelib")).iterdir():
+        if not entry.name.startswith(("planar_", "__pycache__")):
+            (folder / entry.name).symlink_to(entry)
+    return folder
 
 
 def check(condition: bool, message: str) -> None:

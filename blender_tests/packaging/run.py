@@ -5,10 +5,11 @@
     python3 blender_tests/packaging/run.py --blender /usr/bin/blender    by Blender's command line
     build/farm/bin/python ... --blender /usr/bin/blender --farm          and the jobs of examples/farm
     .venv/bin/python blender_tests/packaging/run.py                      by the operators of this Python's bpy
+    tools/wine_tests.sh extension 4.2.23                                 the same in Windows' Python
 
 Blender runs with a home of its own, each step in a new process, as after a restart. A planar_native that this
-Python has is hidden from it, so that only the extension's own wheel can be found. Exit code 0 only if all
-passed.
+Python has is hidden from it (Windows' has none), so that only the extension's own wheel can be found. Exit
+code 0 only if all passed.
 """
 
 import argparse
@@ -18,13 +19,14 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from installed import MODULE, PROJECT, Blender, check
+from installed import MODULE, PLATFORM, PROJECT, Blender, check
 
 
 def is_ours(path: Path) -> bool:
     """In the folder of the extension itself, or in that of the wheels that Blender unpacked for it."""
-    return "/extensions/user_default/planar_deform/" in str(path) or (
-        "/extensions/.local/" in str(path) and "planar" in str(path)
+    place = path.as_posix()
+    return "/extensions/user_default/planar_deform/" in place or (
+        "/extensions/.local/" in place and "planar" in place
     )
 
 
@@ -50,8 +52,8 @@ def check_drag(blender: Blender) -> None:
     x, y, z = result["dragged"]
     check(abs(x + 0.4) < 0.15 and abs(y - 0.8) < 0.15 and z == 0, f"the dragged end went by {x, y, z}")
     check(result["held"] < 0.15 and result["finite"], f"the held end moved by {result['held']}")
-    own = str(blender.home)
-    check(result["module"].startswith(own), f"the module is not the extension's: {result['module']}")
+    module = Path(result["module"])
+    check(module.is_relative_to(blender.home), f"the module is not the extension's: {module}")
     check("CHOLMOD" in result["backend"], f"built with {result['backend']}")
     stray = [
         path for path in blender.files() - before if not is_ours(path) and "__pycache__" not in path.parts
@@ -117,7 +119,7 @@ def main() -> int:
     parser.add_argument("--farm", action="store_true", help="run the jobs of examples/farm, too (farm.txt)")
     options = parser.parse_args()
     archives = sorted(
-        (PROJECT / "dist").glob("planar_deform-*-linux_x64.zip"), key=lambda path: path.stat().st_mtime
+        (PROJECT / "dist").glob(f"planar_deform-*-{PLATFORM}.zip"), key=lambda path: path.stat().st_mtime
     )
     if not archives:
         raise SystemExit("No extension in dist/: run 'make extension' first.")
@@ -132,7 +134,7 @@ def main() -> int:
         **(window_steps(archives[-1]) if options.window else {}),
     }
     passed = failed = 0
-    with tempfile.TemporaryDirectory(prefix="planar-packaging-") as name:
+    with tempfile.TemporaryDirectory(prefix="planar-packaging-", ignore_cleanup_errors=True) as name:
         blender = Blender(options.blender, Path(name))
         for title, step in steps.items():
             try:

@@ -143,7 +143,7 @@ def test_options_do_what_they_say():
         (np.zeros((4, 5)), {}, "alpha: all of the image is transparent"),
         (np.zeros((0, 5)), {}, "alpha: an image of 5 x 0 pixels"),
         (np.ones((4, 5, 4)), {}, r"alpha: shape \(4, 5, 4\), expected \(height, width\)"),
-        (np.ones((4, 5), int), {}, "alpha: dtype int64, expected real numbers"),
+        (np.ones((4, 5), np.int64), {}, "alpha: dtype int64, expected real numbers"),
         ([[1.0, 2.0]], {}, "alpha, row 0: not a number from 0 to 1"),
         ([[1.0], [np.nan]], {}, "alpha, row 1: not a number"),
         ([[1.0], [2.0, 3.0]], {}, "alpha: not an array"),

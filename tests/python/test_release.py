@@ -80,6 +80,7 @@ def test_a_version_without_a_kept_file_is_told(project):
     assert "make_kept_file.py" in reason
 
 
+@pytest.mark.skipif(shutil.which("git") is None, reason="no git is here (Windows under wine)")
 def test_only_a_clean_commit_with_the_version_s_tag_is_published(project):
     def git(*arguments):
         identity = ("-c", "user.name=A", "-c", "user.email=a@example.org")

@@ -32,9 +32,11 @@ set(CMAKE_AR ${CMAKE_CURRENT_LIST_DIR}/zig-ar)
 set(CMAKE_RANLIB ${CMAKE_CURRENT_LIST_DIR}/zig-ranlib)
 set(CMAKE_STRIP /bin/true) # the linker does it: -s
 
-# To ccache a script is no compiler that it knows, nor does its date tell the compiler's version.
-file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/../requirements/cross.txt zig REGEX "^ziglang==")
-set(PLANAR_CCACHE_SETTINGS CCACHE_COMPILERTYPE=clang CCACHE_COMPILERCHECK=string:${zig})
+# To ccache a script is no compiler that it knows, nor does its date tell the compiler's version. Checkouts differ in
+# the folder that is mapped, but not in what comes of it.
+file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/../requirements/zig.txt zig REGEX "^ziglang==")
+set(PLANAR_CCACHE_SETTINGS
+  CCACHE_COMPILERTYPE=clang CCACHE_COMPILERCHECK=string:${zig} CCACHE_IGNOREOPTIONS=-ffile-prefix-map=*)
 
 # CMake's questions are answered by compiling: the first program that is linked waits for zig's C++ library.
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)

@@ -3,17 +3,21 @@
 """Make a Python for Windows in build/wine/cpXY, of Debian's and PyPI's packages alone.
 
 The interpreter's DLLs are those of panda3d's wheels, the library is that of Debian's source package, and
-python.exe, a call of Py_Main, is compiled by zig. Does nothing when it is there.
+python.exe, a call of Py_Main, is compiled by zig. The C library is wine's, but for complex functions: NumPy
+calls them, and wine 8 has none. Does nothing when all is there.
 
 usage: python.py cp311      after tools/cross/setup.sh windows-x64
 """
 
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import zipfile
 from pathlib import Path
+
+import lief
 
 PROJECT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(PROJECT / "tools" / "cross"))
@@ -25,6 +29,11 @@ MAIN = """
 int Py_Main(int, wchar_t**);
 int wmain(int count, wchar_t** arguments) { return Py_Main(count, arguments); }
 """
+MATHEMATICS = (
+    "api-ms-win-crt-math-l1-1-0.dll"  # the part of the C library that has them; wine looks for no such file
+)
+OWN_MATHEMATICS = MATHEMATICS.replace("api", "own")  # as NumPy is made to call it: tools/wine/with_bpy.sh
+COMPLEX = re.compile(r"(c(?:a?(?:cos|sin|tan)h?|exp|log|pow|sqrt|abs|arg|real|imag|proj)|conj)(f|l|)")
 
 
 def run(*command: str | Path) -> str:
@@ -43,12 +52,39 @@ def interpreter(tag: str, target: Path, work: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         for name in archive.namelist():
             file = Path(name)
-            # Without the C library's, which are wine's own.
-            if file.parent != Path("deploy_libs") or file.name.startswith("api-ms-win-"):
+            if file.parent != Path("deploy_libs"):
+                continue
+            if file.name == MATHEMATICS:
+                mathematics(archive.read(name), target, work)
+            if file.name.startswith("api-ms-win-"):  # the C library's, which are wine's own
                 continue
             beside = file.name.lower().startswith(("python", "vcruntime"))
             folder = target if beside else target / "DLLs"
             (folder / file.name).write_bytes(archive.read(name))
+
+
+def mathematics(original: bytes, target: Path, work: Path) -> None:
+    """A library in Microsoft's place: what is complex is MinGW's own (of long double), all else wine's."""
+    definition, code = ["EXPORTS"], ["#include <complex.h>"]
+    for function in lief.PE.parse(list(original)).exported_functions:
+        name = function.name
+        found = COMPLEX.fullmatch(name)
+        if found is None:
+            definition.append(f"{name}=ucrtbase.{name}")
+            continue
+        definition.append(f"{name}=own_{name}")
+        real = "float" if found[2] == "f" else "double"  # Microsoft's long double is double
+        result = real if found[1] in ("cabs", "carg", "creal", "cimag") else f"{real} complex"
+        arguments = ("a", "b") if found[1] == "cpow" else ("a",)
+        listed = ", ".join(f"{real} complex {argument}" for argument in arguments)
+        code.append(f"{result} own_{name}({listed}) {{ return {found[1]}l({', '.join(arguments)}); }}")
+    (work / "math.def").write_text("\n".join([*definition, ""]))
+    (work / "math.c").write_text("\n".join([*code, ""]))
+    run(
+        *(PROJECT / "tools" / "cross" / "zig-cc", "-target", "x86_64-windows-gnu", "-shared", "-s", "-O2"),
+        *(work / "math.c", work / "math.def", "-o", work / OWN_MATHEMATICS),
+    )
+    shutil.copy(work / OWN_MATHEMATICS, target)
 
 
 def program(tag: str, target: Path, work: Path) -> None:

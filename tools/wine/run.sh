@@ -17,4 +17,4 @@ mkdir -p "$project/build/wine"
     "$wine" wineboot --init </dev/null >"$WINEPREFIX.log" 2>&1
     touch "$WINEPREFIX/.made"
 ) 9>"$project/build/wine/prefix.lock"
-"$wine" "$@" </dev/null 2>&1 | tr -d '\r'
+exec "$project/tools/wine/relay.py" "$wine" "$@"

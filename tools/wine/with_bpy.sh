@@ -30,6 +30,9 @@ module=build/wine/module
         build/cross/venv/bin/python -m pip install -qq --disable-pip-version-check --target "$site" --no-deps \
             --only-binary=:all: --platform win_amd64 --python-version "${tag:2:1}.${tag:3}" --abi $tag --abi abi3 --abi none \
             --requirement "tools/requirements/bpy-$version.txt" --requirement tools/requirements/test.txt
+        # NumPy's mathematics are those of tools/wine/python.py.
+        find "$site/numpy" -name '_multiarray_umath*.pyd' \
+            -exec sed -i 's/api-ms-win-crt-math-l1-1-0/own-ms-win-crt-math-l1-1-0/g' {} +
         echo "$stamp" >"$site/.stamp"
     fi
     [[ ! $bare ]] || exit 0
