@@ -35,7 +35,18 @@ MAY_IMPORT = {
 }
 # What is in these rooms may import what comes before it there.
 ORDER = {
-    "model": ["__init__", "work", "plane", "posing", "lattice", "flatten", "image", "timing", "input"],
+    "model": [
+        "__init__",
+        "work",
+        "latest",
+        "plane",
+        "posing",
+        "lattice",
+        "flatten",
+        "image",
+        "timing",
+        "input",
+    ],
     "scene": [
         *(
             "__init__",

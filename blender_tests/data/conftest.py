@@ -15,16 +15,30 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "addon"))
 def _add_on():
     import planar_deform
 
+    bpy.ops.wm.read_factory_settings(use_empty=True)
     planar_deform.register()
     yield
     planar_deform.unregister()
 
 
-@pytest.fixture(autouse=True)
-def _fresh_file(_add_on):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+@pytest.fixture(scope="session")
+def _factory_edit(_add_on):
+    """The preferences that tests change, as Blender comes with them."""
+    edit = bpy.context.preferences.edit
+    own = [entry.identifier for entry in edit.bl_rna.properties if entry.type in {"BOOLEAN", "ENUM"}]
+    values = {name: getattr(edit, name) for name in own if not edit.is_property_readonly(name)}
     # Tests tell what a frame shows by its share of the way; those of ease choose their own.
-    bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"
+    return values | {"keyframe_new_interpolation_type": "LINEAR"}
+
+
+@pytest.fixture(autouse=True)
+def _fresh_file(_factory_edit):
+    # Factory settings at each test would enable all of Blender's own add-ons anew: half of a run's time.
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    edit = bpy.context.preferences.edit
+    for name, value in _factory_edit.items():
+        if getattr(edit, name) != value:
+            setattr(edit, name, value)
 
 
 _code = pytest.ExitCode.INTERNAL_ERROR

@@ -24,25 +24,36 @@ SCREEN = ("xvfb-run", "-a", "-s", "-screen 0 1280x800x24")
 WINDOW = ("--enable-event-simulate", "--window-geometry", "0", "0", "1280", "800", "--python-exit-code", "1")
 STEPS = Path(__file__).with_name("window_steps.py")
 BEFORE = "0.0.1"
+TOLD = """
+_info = build_info
+
+
+def build_info():
+    return _info() | {{"version": "{version}"}}
+"""
 
 
 def packed_as(archive: Path, version: str, folder: Path) -> Path:
-    """The same extension as another version, its compiled modules, too: both are as long."""
+    """The same extension as another version."""
     now = build_repository.manifest_of(archive)["version"]
-    check(len(now) == len(version), f"{version} cannot stand for {now} in a module: make both as long")
     target = folder / archive.name.replace(now, version)
-    target.write_bytes(renamed(archive.read_bytes(), now.encode(), version.encode()))
+    target.write_bytes(renamed(archive.read_bytes(), now, version))
     return target
 
 
-def renamed(archive: bytes, now: bytes, version: bytes) -> bytes:
-    """An archive with another version wherever its own stands: in names, in files, in the archives in it."""
+def renamed(archive: bytes, now: str, version: str) -> bytes:
+    """An archive with another version in names, files and the wheel in it, whose module tells it, too."""
     target = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(archive)) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)
-            change = renamed if name.endswith(".whl") else bytes.replace
-            copy.writestr(name.replace(now.decode(), version.decode()), change(content, now, version))
+            if name.endswith(".whl"):
+                content = renamed(content, now, version)
+            elif name.endswith(("blender_manifest.toml", "METADATA", "RECORD")):
+                content = content.replace(now.encode(), version.encode())
+            elif name == "planar_native/__init__.py":
+                content += TOLD.format(version=version).encode()
+            copy.writestr(name.replace(now, version), content)
     return target.getvalue()
 
 

@@ -38,6 +38,7 @@ class Window:
     def __init__(self) -> None:
         self.mouse = (0, 0)
         self._button = 10_000  # how high one was found last in the sidebar: above it at first
+        self._buttons: dict[str, int] = {}  # and how high each one
 
     # ---- what is there; looked up each time, as loading a file replaces all of it
     @property
@@ -169,7 +170,7 @@ class Window:
         region = self.region("UI")
         columns = [region.x + round(region.width * share) for share in (0.25, 0.6, 0.82)]
         rows = range(region.y + 7, region.y + region.height, 14)
-        last = self._button  # the next one is often near
+        last = self._buttons.get(operator, self._button)  # the next one is often near
         places = sorted(((x, y) for y in rows for x in columns), key=lambda place: abs(place[1] - last))
         manager = bpy.context.window_manager
         for slowly, place in itertools.product((False, True), places):
@@ -182,7 +183,7 @@ class Window:
             yield
             if manager.clipboard.startswith(f"bpy.ops.{operator}("):
                 yield from self.release("LEFT_CTRL")  # as after each key with it
-                self._button = place[1]
+                self._button = self._buttons[operator] = place[1]
                 yield from self.click(place)
                 return
         raise AssertionError(f"the sidebar shows no button of {operator}")

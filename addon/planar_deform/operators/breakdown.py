@@ -17,8 +17,10 @@ from ..model.work import Progress, Work, part_of
 from ..scene.inbetweens import breakdown
 from ..scene.inbetweens.breakdown import Way
 from ..scene.objects import modifiers
-from ..scene.sequence import playback
-from ..scene.sequence.playback import Steps
+from ..scene.sequence import held, playback, pose_state
+from ..scene.sequence.neighbours import around
+from ..scene.sequence.playback import Steps, finder
+from ..scene.storage import pin_paths
 from ..scene.view import snapshot
 from .keying import key_shown
 from .modal import reports, running
@@ -168,7 +170,17 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         self.tell([*told, *self._left_out])
 
     def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
-        return key_shown(context, obj, tell, kind="BREAKDOWN")
+        find, frame = finder(obj), held.shown_for(obj, context.scene.frame_current_final)
+        new, before = pose_state.pose_at(obj, frame) is None, around(obj, frame)[0]
+        assert before is not None  # or it was refused
+        led_from = obj.planar.poses[before.pose].name
+        yield from key_shown(context, obj, tell, kind="BREAKDOWN")
+        keyed = pose_state.pose_at(find(), frame)
+        if new and keyed is not None:
+            ended = pin_paths.split(find(), led_from, find().planar.poses[keyed].name)
+            if ended:
+                names = ", ".join(f"'{name}'" for name in ended)
+                tell(f"The curve of {names} ends at the new pose now: choose one for each half of the way")
 
     # ---- by mouse and keys
 

@@ -16,6 +16,7 @@ from functools import partial
 import bpy
 
 from ..errors import ObjectGone, Refusal
+from ..scene.lattice import rig
 from ..scene.lattice.posed import PosedObject, posing_refusal, read_posed
 from ..scene.motion import live, to_controls
 from ..scene.objects import pose_store
@@ -135,7 +136,7 @@ def _follows(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Take an object along with what carries it; whether it has been written."""
     if (
         obj.mode != "OBJECT"
-        or obj.type == "LATTICE"
+        or (obj.type == "LATTICE" and not rig.is_known(obj, posed=True))
         or snapshot.following(obj)
         or not obj.evaluated_get(depsgraph).is_evaluated
     ):

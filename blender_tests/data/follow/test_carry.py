@@ -196,3 +196,37 @@ def test_pins_that_follow_nothing_go_on_being_posed():
     carried_by(carrier, before, obj, rows=range(38, 43))
     bpy.context.scene.frame_set(1)
     np.testing.assert_allclose(seen(obj)[:5].mean(axis=0), before["Lantern"][:5].mean(axis=0), atol=CLOSE)
+
+
+def test_a_lattice_goes_along_while_its_carrier_is_written():
+    carrier, obj = body(), strip("Flag", 1.7, -0.6, width=0.3, height=0.8, nx=4, ny=8, depth=-0.01, pins=None)
+    activate(obj)
+    assert bpy.ops.planar.fit_lattice(resolution=(5, 9)) == {"FINISHED"}
+    cage = bpy.context.object
+    for row in (40, 2):
+        place = obj.matrix_world @ obj.data.vertices[row].co
+        assert bpy.ops.planar.add_pin(location=place, extend=True) == {"FINISHED"}
+    choose(cage, 0, 1)
+    attach(cage, to=carrier)
+    before = seen(obj)
+    points = coordinates(carrier.data.vertices) + np.array([0.1, 0.0, 0.2])
+    bpy.context.view_layer.update()
+    carrier.data.vertices.foreach_set("co", points.astype(np.float32).ravel())  # as in a drag
+    carrier.data.update()
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(seen(obj) - before, np.broadcast_to((0.1, 0.2), before.shape), atol=CLOSE)
+
+
+def test_the_places_of_what_is_deleted_are_cleared():
+    carrier, obj, other = body(), lantern(), strip("Flag", 0.2, 0.1, width=0.3, nx=4)
+    carrier.vertex_groups.new(name="Place of my own")
+    for one in (obj, other):
+        choose(one, 0, 1)
+    attach(obj, other, to=carrier)
+    kept = {pin.follow_group for pin in other.planar.pins}
+    assert {pin.follow_group for pin in obj.planar.pins} - kept
+    bpy.context.view_layer.update()
+    bpy.data.objects.remove(obj)
+    bpy.context.scene.frame_set(2)
+    pins = {pin.group for pin in carrier.planar.pins}
+    assert set(carrier.vertex_groups.keys()) == {"Place of my own"} | kept | pins

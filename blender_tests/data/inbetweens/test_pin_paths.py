@@ -138,6 +138,44 @@ def test_a_closed_curve_leads_a_hand_round():
     np.testing.assert_allclose(np.linalg.norm(way - middle, axis=1), 0.15, atol=3e-3)
 
 
+def broken_down(obj, frame=7):
+    go_to(frame)
+    activate(obj)
+    assert bpy.ops.planar.breakdown(percent=50.0) == {"FINISHED"}
+    generate(obj)
+    return hand(obj)
+
+
+def test_a_breakdown_leaves_a_hand_on_its_arc_and_its_timing():
+    obj = reaching(kind="PATCH")
+    bpy.ops.planar.rotate_pins(angle=1.0)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    give_path(obj, "ARC", "EASE_IN")
+    generate(obj)
+    whole = hand(obj)
+    halves = broken_down(obj)
+    assert [(path.pose, path.ease) for path in obj.planar.pins[HAND].paths] == [
+        (obj.planar.poses[0].name, "EASE_IN"),
+        (obj.planar.poses[1].name, "LINEAR"),
+    ]
+    np.testing.assert_allclose(halves[:7], whole[:7], atol=6e-3)
+    rows = np.column_stack([2.0 * whole, np.ones(len(whole))])  # of the circle through the whole way
+    x, y, rest = np.linalg.lstsq(rows, (whole**2).sum(axis=1), rcond=None)[0]
+    radius = np.sqrt(rest + x * x + y * y)
+    np.testing.assert_allclose(np.linalg.norm(halves - [x, y], axis=1), radius, rtol=1e-2)
+    broken_down(obj, frame=7)  # once more, at the same frame
+    assert len(obj.planar.pins[HAND].paths) == 2
+
+
+def test_a_breakdown_on_a_curve_tells_that_it_ends_there(capfd):
+    obj = reaching()
+    ends = drawing_of(obj).to_world(hand(obj)[[0, -1]])
+    give_path(obj, "CURVE", curve=line(ends[0] + bow(0.1)[:, :1] * (ends[1] - ends[0])))
+    broken_down(obj)
+    assert "ends at the new pose now" in capfd.readouterr().out
+    assert len(obj.planar.pins[HAND].paths) == 1
+
+
 def refused(obj, match, frame=7):
     activate(obj)
     go_to(frame)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,31 @@ def mapped(points: Array, matrix: Array) -> Array:
     Without BLAS, whose threads take milliseconds to wake for what is done in microseconds here.
     """
     result: Array = np.einsum("kd,rd->kr", points, matrix)
+    return result
+
+
+def inverse(linear: Array) -> Array:
+    """That of a 3 x 3 matrix, which has one.
+
+    Without LAPACK, whose threads take milliseconds of the processor for it.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = linear.tolist()
+    cofactors = np.array(
+        [
+            [e * i - f * h, c * h - b * i, b * f - c * e],
+            [f * g - d * i, a * i - c * g, c * d - a * f],
+            [d * h - e * g, b * g - a * h, a * e - b * d],
+        ]
+    )
+    result: Array = cofactors / (a * cofactors[0, 0] + b * cofactors[1, 0] + c * cofactors[2, 0])
+    return result
+
+
+def is_of(parts: Indices, chosen: Iterable[int]) -> Mask:
+    """Which of n points, whose parts (n,) these are, are of one of the chosen parts."""
+    flags = np.zeros(int(parts.max(initial=-1)) + 1, bool)
+    flags[list(chosen)] = True
+    result: Mask = flags[parts]
     return result
 
 

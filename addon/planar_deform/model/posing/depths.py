@@ -9,7 +9,7 @@ import numpy as np
 
 from ... import native
 from ..plane.cutout import Cutout
-from ..plane.frame import Array
+from ..plane.frame import Array, Indices, is_of
 from . import solver_cache
 from .pins import Holder
 
@@ -30,26 +30,37 @@ def spread(
 ) -> Array:
     """The depths (n,) in which pins have those that are asked for (by key), and the other ones stay.
 
-    `key`: of the object, for which the factored system is kept as long as its pins hold the same vertices.
+    `key`: of the object, for which the share of each pin in each depth is kept as long as its pins hold the
+    same vertices.
 
     Between pins they change as gently as they can (harmonically), and nowhere beyond the pins' own. Pins that
     are off hold nothing; parts without pins stay as they are in `depths` (n,). Raises native.SolveError.
     """
-    count = len(depths)
-    sums, counts = np.zeros(count), np.zeros(count)
-    for holder in holders:
-        if holder.pin.enabled:
-            triangles, weights = holder.handle_vertices()
-            rows = np.unique(cutout.triangles[triangles][weights > HELD])
-            sums[rows] += asked.get(holder.pin.key, depth_of(holder, depths))
-            counts[rows] += 1.0
-    held = np.flatnonzero(counts).astype(np.int32)
-    if not len(held):
+    on = [holder for holder in holders if holder.pin.enabled]
+    if not on:
         return depths
+    rows = [_held_by(holder, cutout) for holder in on]
+    wanted = np.array([asked.get(holder.pin.key, depth_of(holder, depths)) for holder in on])
     rest, triangles = cutout.rest, cutout.triangles
-    harmonic = solver_cache.kept(
-        ("depths", key), (triangles, rest, held), lambda: native.Harmonic(rest, triangles, held)
+    shares = solver_cache.kept(
+        ("depths", key), (triangles, rest, *rows), lambda: _shares(rest, triangles, rows)
     )
-    values = harmonic.spread(sums[held] / counts[held])
-    among = np.isin(cutout.parts, cutout.parts[held])
-    return np.where(among, values, depths)
+    among = is_of(cutout.parts, set(cutout.parts[np.concatenate(rows)].tolist()))
+    return np.where(among, np.einsum("pn,p->n", shares, wanted), depths)
+
+
+def _held_by(holder: Holder, cutout: Cutout) -> Indices:
+    """The vertices that have the depth of a pin."""
+    triangles, weights = holder.handle_vertices()
+    held: Indices = np.unique(cutout.triangles[triangles][weights > HELD])
+    return held
+
+
+def _shares(rest: Array, triangles: Indices, rows: Sequence[Indices]) -> Array:
+    """How much each of p pins, which hold these vertices, has of the depth of each of n (p x n)."""
+    held, places = np.unique(np.concatenate(rows), return_inverse=True)
+    pins = np.repeat(np.arange(len(rows)), [len(one) for one in rows])
+    holding = np.zeros((len(rows), len(held)))
+    holding[pins, places] = 1.0
+    harmonic = native.Harmonic(rest, triangles, held.astype(np.int32))
+    return np.stack([harmonic.spread(share) for share in holding / holding.sum(axis=0)])

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from . import solved_shapes
@@ -17,6 +18,9 @@ from .posing import RAMP_SAMPLES, MakePoser, Posing, Sample
 
 STEP = 0.1  # of the size of what is posed, that a pin goes at once, unless the way is too long for that
 TURN = 0.5  # radians that a patch turns at once, in the same way
+# Refinements after which the rest is done at once. Most frames need no more. Where something buckles it may
+# be forty, or half their time by settle(), whose steps cost more and go farther.
+FEW = 6
 
 
 class Goal(NamedTuple):
@@ -43,6 +47,7 @@ class PinFollow(Posing):
     ):
         super().__init__(cutout, positions, pins, goals, make_poser)
         self._goals = goals
+        self._coarse = cutout.cage is not None
         # Where they are, not where they were asked to be: a bake comes from the frame before.
         self._from = {
             holder.pin.key: holder.place(positions) for holder in self._holders if self._moves(holder)
@@ -65,6 +70,12 @@ class PinFollow(Posing):
         steps = int(np.clip(math.ceil(self._steps()), 1, RAMP_SAMPLES))
         for step in range(1, steps + 1):
             self.move(step / steps, 0.0, 0.0)
+        for _ in range(FEW):
+            if self.settled or self.refines_slowly:
+                break
+            self.move(*there)
+        if isinstance(solver, native.Poser) and not self._coarse and not self.settled:
+            self.positions = solver.settle()
         while not (self.settled or self.refines_slowly):
             self.move(*there)
         solved_shapes.keep(solver, key, self.positions)

@@ -12,12 +12,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ... import native
+from ..latest import make_room
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from ..work import Progress
 from .joints import Ties
 
-CAPACITY = 16  # objects; a 10k-vertex factor takes some 20 MB
+ROOM = 320_000  # triangles together; the factor of 20,000 takes some 20 MB
 
 Solver = TypeVar("Solver")
 Recipe = tuple[Any, ...]  # arrays, and what else a solver is made of
@@ -28,6 +29,11 @@ Key = int | tuple[str, int]  # of an object: its number; what else is kept of it
 class _Entry:
     recipe: Recipe
     solver: Any
+
+    @property
+    def size(self) -> int:
+        """Triangles, of which there are some two a vertex."""
+        return max((len(part) for part in self.recipe if isinstance(part, np.ndarray)), default=0)
 
 
 _entries: OrderedDict[Key, _Entry] = OrderedDict()
@@ -42,8 +48,7 @@ def kept(key: Key, recipe: Recipe, make: Callable[[], Solver]) -> Solver:
     with _changing:
         _entries[key] = entry
         _entries.move_to_end(key)
-        while len(_entries) > CAPACITY:
-            _entries.popitem(last=False)
+        make_room(_entries, ROOM, lambda kept: kept.size)
     solver: Solver = entry.solver
     return solver
 

@@ -22,14 +22,18 @@ from ..sequence import pose_showing, pose_state
 from ..storage import points
 from . import to_controls
 
-_live: dict[int, str] = {}  # the names of objects with Live on, by session_uid
+Places = frozenset[tuple[str, str]]  # that pins follow: names of carriers and of their groups
+
+_live: dict[int, tuple[str, Places]] = {}  # names of objects with Live on, by session_uid
 _paused = False
 
 
 def note(obj: bpy.types.Object) -> None:
     """An object may have been set to follow, or no more to."""
     if obj.library is None and obj.is_property_set("planar") and obj.planar.live:
-        _live[obj.session_uid] = obj.name
+        followed = (pin for pin in obj.planar.pins if pin.follow_group and pin.follow is not None)
+        places = frozenset((pin.follow.name, pin.follow_group) for pin in followed)
+        _live[obj.session_uid] = obj.name, places
     else:
         _live.pop(obj.session_uid, None)
 
@@ -48,11 +52,17 @@ def forget() -> None:
 
 def objects() -> list[bpy.types.Object]:
     """Those with Live on, what is followed before what follows it."""
-    found = {uid: bpy.data.objects.get(name) for uid, name in _live.items()}
+    found = {uid: bpy.data.objects.get(name) for uid, (name, _) in _live.items()}
     if any(obj is None or obj.session_uid != uid for uid, obj in found.items()):  # renamed, or gone
         found = {obj.session_uid: obj for obj in bpy.data.objects if obj.session_uid in _live}
+        gone = [places for uid, (_, places) in _live.items() if uid not in found]
         _live.clear()
-        _live.update({uid: obj.name for uid, obj in found.items()})
+        for obj in found.values():
+            note(obj)
+        for name, group in frozenset().union(*gone):
+            carrier = bpy.data.objects.get(name)
+            if carrier is not None and carrier.type == "MESH" and carrier.library is None:
+                followed_mesh.remove_unused(carrier, {group})
     there = [obj for obj in found.values() if obj is not None]
     return dependencies.in_order(there) if len(there) > 1 else there
 

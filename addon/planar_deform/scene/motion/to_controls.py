@@ -17,7 +17,7 @@ import numpy as np
 
 from ... import native
 from ...errors import Refusal
-from ...model.plane.frame import Array, Array32
+from ...model.plane.frame import Array, Array32, is_of
 from ...model.posing import solving
 from ...model.posing.joints import Joint, hanging_on
 from ...model.posing.pin_follow import Goal, PinFollow, nearest_turn
@@ -110,7 +110,7 @@ def _rest(drawing: PosedObject, holders: Sequence[Holder], joints: Sequence[Join
     if not isinstance(drawing, CutoutObject):
         return drawing.flattened(drawing.rest_coordinates())
     held = hanging_on({holder.part for holder in holders if holder.pin.enabled}, joints)
-    rest: Array = np.where(np.isin(drawing.parts, list(held))[:, None], drawing.rest, drawing.positions)
+    rest: Array = np.where(is_of(drawing.parts, held)[:, None], drawing.rest, drawing.positions)
     return rest
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ... import native
 from ...errors import Refusal
+from ...model.latest import make_room
 from ...model.plane.cutout import Cutout, diagonal_of, make_cutout, signed_areas
 from ...model.plane.frame import (
     Array,
@@ -50,7 +51,7 @@ EDGE_ON = float(np.sin(np.radians(5.0)))  # views flatter than this to the plane
 SAME_PLACE = 1e-5  # of the diagonal: distances below are no distance
 MOST_SIDES = 10_000  # triangles that tell, spread over a dense drawing, whether it has been turned over
 UNEVEN = 0.05  # of the diagonal: beyond this no depths explain how far points are from a plane
-CAPACITY = 16  # objects; what is kept of one of 100k vertices takes some 30 MB
+ROOM = 1_600_000  # vertices together; what is kept of 100k takes some 30 MB
 
 
 _latest: OrderedDict[int, CutoutObject] = OrderedDict()  # by session_uid, what was read last at the end
@@ -110,8 +111,7 @@ def made_of(obj: bpy.types.Object, *, unkeyed: bool = False) -> CutoutObject:
     before = _latest.pop(obj.session_uid, None)
     reading = read(obj, unkeyed=unkeyed, before=None if before is None else before.reading)
     drawing = _latest[obj.session_uid] = CutoutObject(obj, reading, before)
-    if len(_latest) > CAPACITY:
-        _latest.popitem(last=False)
+    make_room(_latest, ROOM, lambda kept: kept.count)
     return drawing
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import ObjectGone, Refusal
 from ...model.plane.cutout import diagonal_of
-from ...model.plane.frame import Array, Array32, Indices, PlaneFrame, mapped, part_means
+from ...model.plane.frame import Array, Array32, Indices, PlaneFrame, inverse, mapped, part_means
 from ...model.posing import solving
 from ..storage import migration, points, shape_keys
 from . import mesh_edits
@@ -80,7 +80,7 @@ class FlatObject:
         stretches = np.linalg.svd(self._linear, compute_uv=False)
         if not stretches[-1] > 1e-6 * stretches[0]:
             raise Refusal(f"'{obj.name}' has a scale of zero: give it a scale in every axis")
-        self._inverse = np.linalg.inv(self._linear)
+        self._inverse = inverse(self._linear)
         self._store = store
 
     def _take_points(self, obj: bpy.types.Object, used: Indices, parts: Indices) -> Array:

@@ -10,12 +10,13 @@ import bmesh
 import bpy
 import numpy as np
 
+from ...model.latest import make_room
 from ...model.plane import quads
 from ...model.plane.cutout import connected_parts
 from ...model.plane.frame import Array32, Indices
 from ..storage.topology import corner_vertices
 
-CAPACITY = 8  # meshes
+ROOM = 800_000  # vertices together; what is kept of 100k takes some 5 MB
 
 
 @dataclass(frozen=True)
@@ -61,8 +62,7 @@ def faces_of(mesh: bpy.types.Mesh, rest: Array32) -> Faces:
         triangles = corners[corner_triangles(mesh, rest)]
         kept = _Kept(count, corners, starts, lying, _faces(triangles, count))
     _kept[mesh.session_uid] = kept
-    if len(_kept) > CAPACITY:
-        _kept.popitem(last=False)
+    make_room(_kept, ROOM, lambda kept: kept.count)
     return kept.faces
 
 

@@ -12,7 +12,7 @@ import bpy
 from . import changes
 from .vertex_groups import members
 
-CAPACITY = 8  # objects
+CAPACITY = 64  # objects
 
 _Of = float | tuple[str, ...]  # a shape key's eval_time, or names of vertex groups
 

@@ -10,6 +10,13 @@ from ...errors import Refusal
 from . import digests
 from .curve_lines import line_of
 
+HALVES = {  # of an ease, before and behind a pose on the way
+    "LINEAR": ("LINEAR", "LINEAR"),
+    "EASE": ("EASE_IN", "EASE_OUT"),
+    "EASE_IN": ("EASE_IN", "LINEAR"),
+    "EASE_OUT": ("LINEAR", "EASE_OUT"),
+}
+
 
 def path_of(pin: bpy.types.PropertyGroup, pose: str) -> bpy.types.PropertyGroup | None:
     """That of a pin on the way from a pose to the next; None: it has none there."""
@@ -40,6 +47,26 @@ def forget_all(obj: bpy.types.Object) -> None:
     """All poses are gone."""
     for pin in obj.planar.pins:
         pin.paths.clear()
+
+
+def split(obj: bpy.types.Object, before: str, between: str) -> list[str]:
+    """A pose was made on the way from another one: paths go on behind it. Names of pins whose curves do not.
+
+    Of an ease each half has its own part: slow out of the first pose, slow into the last.
+    """
+    ended = []
+    for pin in obj.planar.pins:
+        path = path_of(pin, before)
+        if path is None:
+            continue
+        if path.kind == "CURVE":
+            ended.append(pin.name)
+            continue
+        kind, (first, second) = path.kind, HALVES[path.ease]
+        path.ease = first
+        added = pin.paths.add()  # which may move the first one in memory
+        added.pose, added.kind, added.ease = between, kind, second
+    return ended
 
 
 def stamps(obj: bpy.types.Object) -> dict[str, str]:

@@ -15,10 +15,11 @@ from operator import attrgetter
 import bpy
 import numpy as np
 
+from ...model.latest import make_room
 from ...model.plane.frame import Array, Indices
 from . import changes
 
-CAPACITY = 8  # objects
+ROOM = 2_000_000  # weights together, of 12 bytes
 
 Members = tuple[Indices, Array]  # vertices (k,) in the mesh's order, and their weights (k,)
 
@@ -46,8 +47,7 @@ def members(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, Members]:
     # Of what is hidden Blender tells nothing until it is shown.
     if kept is None or (kept.edits, kept.names) != (edits, present) or not obj.visible_get():
         kept = _kept[obj.session_uid] = _Kept(edits, present, _read(obj))
-        if len(_kept) > CAPACITY:
-            _kept.popitem(last=False)
+        make_room(_kept, ROOM, lambda kept: sum(len(rows) for rows, _ in kept.groups.values()))
     _kept.move_to_end(obj.session_uid)
     return {name: kept.groups[name] for name in wanted}
 

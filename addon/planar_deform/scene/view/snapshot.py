@@ -33,7 +33,7 @@ from ..pins.taking_part import with_pins
 from ..storage import changes
 from ..storage.topology import edge_vertices
 
-CAPACITY = 16  # objects; what is kept of one of 10k vertices takes some 5 MB
+CAPACITY = 32  # objects; what is kept of one of 10k vertices takes some 5 MB
 NO_EDGES: Indices = np.empty((0, 2), np.int32)
 
 

@@ -21,8 +21,8 @@ from ..tool.pin_menu import draw_depths
 from .tab import PlanarPanel, lines
 
 KIND_ICONS = {"POINT": "DOT", "PATCH": "MESH_PLANE", "HINGE": "MESH_CIRCLE", "WELD": "SNAP_FACE"}
-# Of the drawing's size: pins are soft, and below this the solver itself calls a handle reached.
-SHOWN_GAP = 1e-3
+# Of the drawing's size, as pins are soft: three pixels where it fills a view, as in ui/tool/gizmos.py.
+SHOWN_GAP = 3e-3
 
 
 WIDE = 300.0  # pixels at a UI scale of 1: in a narrower sidebar the names need the room of the weights
@@ -230,7 +230,7 @@ def _draw_pin(
         column.operator("planar.dither_materials", icon="MATERIAL")
     gap = unreached(seen).get(index)
     if gap is not None:
-        lines(layout, f"{gap:.4g} away from its target", "ERROR", context)
+        lines(layout, f"{gap:.2g} away from its target", "ERROR", context)
 
 
 CLASSES = (PLANAR_UL_pins, PLANAR_MT_add_pins, PLANAR_PT_pins)

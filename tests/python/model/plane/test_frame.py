@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from planar_deform.model.plane.cutout import connected_parts, make_cutout, signed_areas
-from planar_deform.model.plane.frame import plane_frame
+from planar_deform.model.plane.frame import inverse, is_of, plane_frame
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
@@ -101,3 +101,17 @@ def test_a_long_strip_is_one_part():
     first = np.random.default_rng(0).permutation(5000).astype(np.int32)
     triangles = np.stack([first[:-2], first[1:-1], first[2:]], axis=1)
     assert not connected_parts(5000, triangles).any()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_an_inverse_is_that_of_lapack_and_exact_where_it_can_be(seed):
+    linear = random_linear(seed)
+    assert inverse(linear) == pytest.approx(np.linalg.inv(linear), rel=1e-11)
+    assert np.array_equal(inverse(np.diag([-2.0, 4.0, 0.5])), np.diag([-0.5, 0.25, 2.0]))
+
+
+def test_points_are_told_by_their_parts():
+    parts = np.array([0, 2, 1, 2, 0], np.int32)
+    assert is_of(parts, {0, 1}).tolist() == [True, False, True, False, True]
+    assert not is_of(parts, ()).any()
+    assert len(is_of(parts[:0], ())) == 0

@@ -132,9 +132,25 @@ def test_a_solver_is_kept_while_mesh_rest_and_stiffness_are_the_same():
     same = replace(stiffer, stiffness=stiffer.stiffness.copy())
     assert solver_cache.poser_for(1, same, "akvf", other.rest) is fourth
     assert solver_cache.poser_for(2, same, "akvf", other.rest) is not fourth
-    for key in range(10, 10 + solver_cache.CAPACITY):
+
+
+def test_solvers_of_many_small_drawings_are_kept_and_few_of_large_ones(monkeypatch):
+    cutout = grid_cutout(3, 3)
+    monkeypatch.setattr(solver_cache, "ROOM", 30 * len(cutout.triangles))
+    solver_cache.clear()
+    first = solver_cache.poser_for(0, cutout, "akvf", cutout.rest)
+    for key in range(1, 30):
         solver_cache.poser_for(key, cutout, "akvf", cutout.rest)
-    assert solver_cache.poser_for(1, same, "akvf", other.rest) is not fourth
+    assert solver_cache.poser_for(0, cutout, "akvf", cutout.rest) is first
+    large = grid_cutout(30, 30)
+    large_one = solver_cache.poser_for(30, large, "akvf", large.rest)
+    assert solver_cache.poser_for(0, cutout, "akvf", cutout.rest) is first, "the last ones stay"
+    for key in range(14):
+        solver_cache.poser_for(key, cutout, "akvf", cutout.rest)
+    assert solver_cache.poser_for(30, large, "akvf", large.rest) is large_one
+    for key in range(16):
+        solver_cache.poser_for(key, cutout, "akvf", cutout.rest)
+    assert solver_cache.poser_for(30, large, "akvf", large.rest) is not large_one
 
 
 PATH = [(0.25, 0.0, 0.0), (0.5, 0.25, 0.0), (0.5, 0.75, 0.0)]
