@@ -91,11 +91,20 @@ def sources() -> list[Path]:
     return sorted(files)
 
 
+def headers_of(platform: Platform, python: str) -> Path:
+    return SOURCES / "python" / python / ("windows" if platform.name.startswith("windows") else "unix")
+
+
+def pythons_of(platform: Platform) -> list[str]:
+    """Those of the platform's whose headers are there."""
+    return [python for python in platform.pythons if headers_of(platform, python).exists()]
+
+
 def fingerprint(platform: Platform) -> str:
     """Changes with anything that the wheel of a platform is made from."""
     digest = hashlib.sha256(Path("/etc/debian_version").read_bytes())
-    headers = (SOURCES / "python").glob("cp*/*/patchlevel.h")
-    for path in [*sources(), *sorted(headers)]:
+    headers = (headers_of(platform, python) / "patchlevel.h" for python in pythons_of(platform))
+    for path in [*sources(), *headers]:
         digest.update(str(path).encode() + b"\0" + path.read_bytes())
     digest.update(repr(platform).encode())
     return digest.hexdigest()
@@ -104,8 +113,7 @@ def fingerprint(platform: Platform) -> str:
 def compile_module(platform: Platform, python: str) -> Path:
     """The module for one Python, in the platform's build folder: the library is compiled once for all."""
     folder = PROJECT / "build" / f"cross-{platform.name}"
-    windows = platform.name.startswith("windows")
-    headers = SOURCES / "python" / python / ("windows" if windows else "unix")
+    headers = headers_of(platform, python)
     suffix = platform.suffix.format(python.removeprefix("cp"))
     settings = {
         "CMAKE_TOOLCHAIN_FILE": PROJECT / "tools" / "cross" / "toolchain.cmake",
@@ -121,7 +129,7 @@ def compile_module(platform: Platform, python: str) -> Path:
         "PYTHON_MODULE_DEBUG_POSTFIX": "",
         "PYTHON_IS_DEBUG": "OFF",
     }
-    if windows:
+    if headers.name == "windows":
         settings["Python_LIBRARY"] = headers / f"lib{python.replace('cp', 'python')}.a"
     options = [f"-D{name}={value}" for name, value in settings.items()]
     # What CMake has found for the last Python is forgotten.
@@ -194,7 +202,7 @@ def build_wheel(platform: Platform) -> Path:
     stamp = folder / "stamp"
     wanted = fingerprint(platform)
     if not stamp.exists() or stamp.read_text() != wanted:
-        there = [python for python in platform.pythons if (SOURCES / "python" / python).exists()]
+        there = pythons_of(platform)
         print(f"Building the {platform.name} wheel for {', '.join(there)}", flush=True)
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)

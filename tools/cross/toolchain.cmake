@@ -22,6 +22,7 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Darwin") # zig brings the system's headers and kn
   set(CMAKE_OSX_SYSROOT "")
   set(CMAKE_OSX_DEPLOYMENT_TARGET "")
   set(CMAKE_OSX_ARCHITECTURES "")
+  set(CMAKE_INSTALL_NAME_TOOL /bin/true) # CMake asks for one, but nothing is installed
 endif()
 
 set(CMAKE_C_COMPILER ${CMAKE_CURRENT_LIST_DIR}/zig-cc)
