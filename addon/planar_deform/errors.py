@@ -11,6 +11,10 @@ class Refusal(Exception):  # noqa: N818 - a word users and operators both read
     """The object cannot be posed as it is; the message says what to do about it."""
 
 
+class NothingToDo(Refusal):
+    """The object needs nothing of this: where several are chosen, the others get it."""
+
+
 class ObjectGone(Exception):  # noqa: N818
     """The object or mesh a posing began with has been deleted, replaced or edited meanwhile."""
 
@@ -27,7 +31,7 @@ def naming(name: str | None) -> Iterator[None]:
     except Refusal as refusal:
         if name is None or f"'{name}'" in str(refusal):
             raise
-        raise Refusal(f"'{name}': {refusal}") from refusal
+        raise type(refusal)(f"'{name}': {refusal}") from refusal
 
 
 class Refusals:

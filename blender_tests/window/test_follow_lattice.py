@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
-from cutouts import activate, pin_data, sheet
+from cutouts import activate, active, pin, pin_data, sheet
 from harness import Window
 
 START = (1.5, 0.0, 0.0)
@@ -101,3 +101,39 @@ def test_the_frame_takes_the_target_and_the_pin_along(window: Window) -> Iterato
     bpy.context.scene.frame_set(11)
     yield from window.wait(0.5)
     assert np.linalg.norm(end() - (1.5, 0.0, 0.6)) < 0.03, end()
+
+
+def test_a_lattice_that_is_carried_goes_along_in_the_drag(window: Window) -> Iterator[None]:
+    """Before the button is released; Esc takes it back to the bit."""
+    sheet("Flag", columns=2, rows=4, at=(1.5, -0.05, -0.5))
+    with window.context():
+        assert bpy.ops.planar.fit_lattice(resolution=(5, 7)) == {"FINISHED"}
+    lattice = active()
+    for height in (-0.1, -0.9):
+        bpy.ops.planar.add_pin(location=(1.5, -0.05, height), extend=True)
+    obj = sheet(columns=16, rows=2)
+    pin((-1.5, 0.0, 0.0), (1.5, 0.0, 0.0))
+    lattice.select_set(True)
+    yield from window.look("FRONT")
+    with window.context():
+        assert bpy.ops.planar.attach_to() == {"FINISHED"}
+    activate(obj)
+    yield from window.use_tool()
+    bpy.ops.ed.undo_push(message="Test Scene")
+    name = lattice.name
+
+    def points() -> np.ndarray:
+        data = bpy.data.objects[name].data
+        return np.array([point.co_deform for point in data.points])
+
+    yield from window.hover(window.pixel((1.5, 0.0, 0.0)))
+    yield from window.wait(0.3)
+    before = points()
+    yield from window.press()
+    yield from window.move(window.pixel((1.2, 0.0, 0.7)), steps=6)
+    yield from window.wait(0.5)
+    assert np.abs(points() - before).max() > 0.3, "before the button is released"
+    yield from window.key("ESC")
+    yield from window.release()
+    yield from window.wait(0.5)
+    assert np.array_equal(points(), before)

@@ -11,7 +11,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from .. import native
-from ..errors import Refusal, naming
+from ..errors import NothingToDo, Refusal, naming
 from ..model.plane.frame import Array
 from ..model.work import Progress, part_of
 from ..scene.inbetweens import planning, writing
@@ -52,14 +52,20 @@ class PLANAR_OT_generate_inbetweens(ForAll, LongOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> Job:
         chosen = self.chosen(context)
-        told, ways = left_out_told(chosen), []
+        told, ways, idle = left_out_told(chosen), [], []
         path = self.path if self.properties.is_property_set("path") else None
         smooth = self.smooth if self.properties.is_property_set("smooth") else None
         for obj in chosen.objects:
             name = obj.name if len(chosen.objects) > 1 else None
-            with naming(name):
-                drawing = begin_shape(context, obj)
-                ways.append(_Way(name, drawing, planning.plan(drawing, path=path, smooth=smooth)))
+            try:
+                with naming(name):
+                    drawing = begin_shape(context, obj)
+                    ways.append(_Way(name, drawing, planning.plan(drawing, path=path, smooth=smooth)))
+            except NothingToDo as refusal:
+                idle.append(refusal)
+        if not ways:
+            raise idle[0]
+        told += map(str, idle)
         self.path, self.smooth = ways[0].plan.path, ways[0].plan.smooth
         return Job(
             partial(_write, ways), partial(_solve, ways), (lambda _: ". ".join(told)) if told else None

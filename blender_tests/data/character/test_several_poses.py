@@ -51,6 +51,22 @@ def test_only_those_are_filled_that_can_be_and_the_others_are_told(capfd):
     assert not bpy.ops.planar.generate_inbetweens.poll()
 
 
+def test_a_body_that_stands_still_keeps_no_arm_from_being_filled(capfd):
+    objects = figure()
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    go_to(9)
+    assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="All poses are alike"):
+        bpy.ops.planar.generate_inbetweens()
+    capfd.readouterr()
+    select("")
+    assert bpy.ops.planar.drag_pins(object="Arm.L", pin=1, offset=(0.0, 0.4)) == {"FINISHED"}
+    choose(*objects)
+    assert bpy.ops.planar.generate_inbetweens() == {"FINISHED"}
+    assert "'Body': All poses are alike" in capfd.readouterr().out
+    assert [sum(pose.generated for pose in obj.planar.poses) for obj in objects] == [0, 7, 0]
+
+
 def test_settings_of_each_decide_on_its_way_unless_told():
     objects = two_poses()
     objects[1].planar.anchor_path = "ARC"

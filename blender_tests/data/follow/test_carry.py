@@ -230,3 +230,22 @@ def test_the_places_of_what_is_deleted_are_cleared():
     bpy.context.scene.frame_set(2)
     pins = {pin.group for pin in carrier.planar.pins}
     assert set(carrier.vertex_groups.keys()) == {"Place of my own"} | kept | pins
+
+
+def test_what_is_let_go_plays_its_own_poses_again(pair):
+    _, obj, _ = pair
+    activate(obj)
+    for frame, offset in ((1, (0.0, 0.0)), (9, (0.2, 0.0))):
+        bpy.context.scene.frame_set(frame)
+        drag(obj, 1, offset)
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    keyed = seen(obj)
+    choose(obj)
+    activate(obj)
+    assert bpy.ops.planar.detach_from() == {"FINISHED"}
+    assert not obj.planar.live, "nothing is followed any more"
+    for frame in (1, 9):
+        bpy.context.scene.frame_set(frame)
+    np.testing.assert_allclose(seen(obj), keyed, atol=1e-5)
+    bpy.context.scene.frame_set(1)
+    assert np.abs(seen(obj) - keyed).max() > 0.1

@@ -357,3 +357,21 @@ def test_a_carrier_deformed_by_modifiers_carries(pair):
     carrier.modifiers.new("Solid", "SOLIDIFY")
     bpy.context.view_layer.update()
     np.testing.assert_allclose(world(obj, evaluated(obj)).mean(axis=0), before, atol=CLOSE)
+
+
+def test_a_duplicate_whose_carrier_is_deleted_does_not_go_over_to_the_first_one(pair, capfd):
+    carrier, obj = pair
+    activate(carrier)
+    obj.select_set(True)
+    bpy.ops.object.duplicate()
+    twin, other = bpy.data.objects["Body.001"], bpy.data.objects["Lantern.001"]
+    assert {pin.follow for pin in other.planar.pins} == {twin}
+    twin.location.x += 3.0
+    bpy.context.view_layer.update()
+    activate(twin)
+    bpy.ops.object.delete()
+    bpy.context.scene.frame_set(2)
+    assert carrier not in {pin.follow for pin in other.planar.pins}
+    assert not other.planar.live
+    assert "Lantern.001: 'Body.001'" in capfd.readouterr().out
+    assert obj.planar.live

@@ -17,12 +17,19 @@ from .pins import Holder
 # (dithered) draw that clean, and nobody sees it from the side.
 DEPTH = 5e-4
 DEEPEST = 10.0  # the largest depth, to either side
+NONE = 1e-3  # depths that are as small are rounding
 HELD = 1e-6  # of a pin's weight: corners with less do not hold it
 
 
 def depth_of(holder: Holder, depths: Array) -> float:
     """The depth of a pin where the points have n depths."""
     return float(holder.place(depths[:, None])[0])
+
+
+def told_depth(holder: Holder, depths: Array) -> float:
+    """The same without rounding: 0 where it is nothing else."""
+    depth = depth_of(holder, depths)
+    return depth if abs(depth) >= NONE else 0.0
 
 
 def spread(

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ...errors import Refusal
+from ...errors import NothingToDo, Refusal
 from ...model.lattice.pin_places import PinPlaces
 from ...model.plane.frame import Array32, Indices
 from ...model.posing.held_pins import HeldPin
@@ -112,7 +112,9 @@ def plan(
         result.counts.append(count)
     result.counts = even(result.counts, entries_played)
     if not any(result.counts) and not result.kept:
-        raise Refusal("There are no frames to fill between the poses: move their keys apart")
+        if len(set(made_of)) == 1:
+            raise NothingToDo("All poses are alike: there is nothing to fill between them")
+        raise NothingToDo("There are no frames to fill between the poses: move their keys apart")
     kept = sum(len(found[entries_played[transition].block].inbetweens) for transition in result.kept)
     generated = sum(result.counts) + kept
     if FIRST + SPACING * (len(entries) + generated) >= HOLD:

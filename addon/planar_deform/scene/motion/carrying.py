@@ -66,6 +66,8 @@ def let_go(obj: bpy.types.Object, keys: Iterable[int]) -> int:
     for key in going:
         obj.planar.pins[key].follow, obj.planar.pins[key].follow_group = None, ""
     before.tidy()
+    if going and not any(pin.follow for pin in obj.planar.pins):
+        obj.planar.live = False  # its poses play again
     return len(going)
 
 

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..objects import vertex_parents
-from . import controls, pin_list
+from . import controls, followed_mesh, pin_list
 
 
 class _Need(NamedTuple):
@@ -96,7 +96,10 @@ def find_lost(obj: bpy.types.Object) -> None:
         found = [
             other
             for other in bpy.data.objects
-            if other.type == "MESH" and other.users_scene and pin.follow_group in other.vertex_groups
+            if other.type == "MESH"
+            and other.users_scene
+            and pin.follow_group in other.vertex_groups
+            and followed_mesh.are_one_place(pin.follow, other, pin.follow_group)
         ]
         if len(found) == 1 and found[0] != obj:
             before, now = (np.array(one.matrix_world, np.float64) for one in (pin.follow, found[0]))

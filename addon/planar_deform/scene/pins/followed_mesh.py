@@ -18,6 +18,7 @@ from ..storage import points, vertex_groups
 from . import pin_list
 
 GROUP_NAME = "Place"
+SAME_PLACE = 0.1  # of the size of a place: it is where it was
 
 # By session_uid: shapes that have been written since Blender evaluated what is looked at.
 _written: dict[int, Array32] = {}
@@ -92,6 +93,23 @@ def places_of(obj: bpy.types.Object) -> set[str]:
         for pin in other.planar.pins
         if pin.follow == obj and pin.follow_group
     }
+
+
+def are_one_place(lost: bpy.types.Object, found: bpy.types.Object, name: str) -> bool:
+    """Whether a group of a mesh that is gone lies where another one has it, to which that was joined then.
+
+    A drawing and its duplicate have groups of the same names.
+    """
+    places = []
+    for obj in (lost, found):
+        rows, weights = vertex_groups.members(obj, [name]).get(name, (np.zeros(0, np.int32), np.zeros(0)))
+        if not weights.any():
+            return False
+        matrix = np.array(obj.matrix_world, np.float64)
+        world = mapped(points.read(obj)[rows].astype(np.float64), matrix[:3, :3]) + matrix[:3, 3]
+        places.append((world, np.average(world, axis=0, weights=weights)))
+    size = float(np.ptp(places[0][0], axis=0).max())
+    return bool(np.linalg.norm(places[1][1] - places[0][1]) <= SAME_PLACE * size)
 
 
 def _rest_of(obj: bpy.types.Object) -> Array32:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ... import native
 from ...errors import Refusal
-from ...model.posing.depths import DEEPEST, depth_of, spread
+from ...model.posing.depths import DEEPEST, depth_of, spread, told_depth
 from ...model.posing.pins import Holder
 from ..objects import cutout_object, modifiers
 from ..storage import changes
@@ -56,7 +56,7 @@ def depth_shown(obj: bpy.types.Object, key: int) -> float:
     except Refusal:
         return 0.0
     holders = holders_of(obj, drawing)
-    return next((depth_of(one, drawing.depths) for one in holders if one.pin.key == key), 0.0)
+    return next((told_depth(one, drawing.depths) for one in holders if one.pin.key == key), 0.0)
 
 
 def give(

@@ -21,7 +21,7 @@ import numpy as np
 from ... import native
 from ...errors import Refusal
 from ...model.plane.frame import Array, Indices
-from ...model.posing.depths import depth_of
+from ...model.posing.depths import told_depth
 from ...model.posing.pins import Holder
 from ...model.posing.posing import PinResult
 from ..lattice.posed import PosedObject, posing_refusal, read_posed
@@ -77,7 +77,7 @@ class Snapshot:
         """The depths of the pins by their indices; those of a cutout have some."""
         if self.shape is None or not isinstance(self.shape[0], CutoutObject):
             return {}
-        return {holder.pin.key: depth_of(holder, self.shape[0].depths) for holder in self.holders}
+        return {holder.pin.key: told_depth(holder, self.shape[0].depths) for holder in self.holders}
 
     @property
     def triangles(self) -> Indices:

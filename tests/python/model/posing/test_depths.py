@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from cutouts import grid_cutout, pin
 
-from planar_deform.model.posing.depths import depth_of, spread
+from planar_deform.model.posing.depths import depth_of, spread, told_depth
 from planar_deform.model.posing.pins import Holder
 
 
@@ -39,3 +39,10 @@ def test_pins_that_are_off_hold_nothing():
 def test_without_pins_all_stays():
     depths = np.arange(50.0)
     assert np.array_equal(spread(0, grid_cutout(9, 4), [], {}, depths), depths)
+
+
+def test_rounding_is_no_depth():
+    cutout = grid_cutout(9, 4)
+    (holder,) = held(cutout, pin([0], key=0))
+    assert told_depth(holder, np.full(50, -4e-4)) == 0.0
+    assert told_depth(holder, np.full(50, -4e-2)) == pytest.approx(-4e-2)
