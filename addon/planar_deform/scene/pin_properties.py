@@ -46,7 +46,7 @@ JOINT_KINDS = (
 
 def _let_go(pin: PlanarPin, _context: bpy.types.Context) -> None:
     """Another kind or group holds the drawing where it is now; what the old one was asked for is past."""
-    pin.has_target = False
+    pin.has_target = pin.has_posed = False
     pin.angle, pin.scale = 0.0, 1.0
 
 
@@ -231,6 +231,7 @@ class PlanarPin(bpy.types.PropertyGroup):
     )
     # Object-local: where the pin was asked to be, and where the last posing left it.
     has_target: BoolProperty(options={"HIDDEN"})
+    has_posed: BoolProperty(options={"HIDDEN"})  # before a reset took its target: poses that were keyed then
     target: FloatVectorProperty(size=3, options={"HIDDEN"})
     reached: FloatVectorProperty(size=3, options={"HIDDEN"})
     # By these the undo of a join is told, which Blender may apply to the mesh alone, see pins/joining.py.

@@ -40,6 +40,18 @@ def test_nothing_is_told_of_what_the_pins_have_made():
     assert told(obj) is None, "the others hold their part"
 
 
+def test_nothing_is_told_of_a_keyed_pose_after_a_reset_at_another_frame():
+    obj = bent()
+    bpy.ops.planar.key_pose()
+    bpy.context.scene.frame_set(25)
+    bpy.ops.planar.reset_to_rest()
+    bpy.ops.planar.key_pose()
+    bpy.context.scene.frame_set(1)
+    assert told(obj) is None
+    pins_anew(obj, [0])
+    assert told(obj) is not None
+
+
 @pytest.mark.parametrize("plane", ["XY", "XZ"])
 def test_a_drag_with_other_pins_tells_that_the_pose_goes(plane, capfd):
     obj = bent(plane)

@@ -29,7 +29,8 @@ from . import controls, pin_list
 
 # What a pin keeps, beside its group.
 _KEPT = (
-    *("name", "kind", "enabled", "has_target", "target", "reached", "angle", "scale", "reached_scale"),
+    *("name", "kind", "enabled", "has_target", "has_posed"),
+    *("target", "reached", "angle", "scale", "reached_scale"),
     *("follow_bone", "follow_group", "follow_offset", "follow_axis"),
 )
 

@@ -101,9 +101,9 @@ def _find_lost(lattice: bpy.types.Object) -> None:
             and of_lattice(obj, lattice)
         ]
         if len(found) == 1 or pin.object is not None:
-            held = pin.has_target, pin.angle, pin.scale
+            held = pin.has_target, pin.has_posed, pin.angle, pin.scale
             pin.object = found[0] if len(found) == 1 else None  # which lets go of its target
-            pin.has_target, pin.angle, pin.scale = held
+            pin.has_target, pin.has_posed, pin.angle, pin.scale = held
             pin.group_count = 0
 
 
@@ -286,7 +286,7 @@ class SavedResults:
     """What the pins of an object keep of posings, to be put back to the bit."""
 
     def __init__(self, obj: bpy.types.Object):
-        names = ("target", "reached", "has_target", "angle", "scale", "reached_scale")
+        names = ("target", "reached", "has_target", "has_posed", "angle", "scale", "reached_scale")
         self._pins = [{name: _value(pin, name) for name in names} for pin in obj.planar.pins]
         self._stiffness = obj.planar.solved_stiffness
 
@@ -306,7 +306,7 @@ def _value(pin: bpy.types.PropertyGroup, name: str) -> object:
 def forget_targets(obj: bpy.types.Object) -> None:
     """After a reset: the pins hold the drawing where it is, unturned."""
     for pin in obj.planar.pins:
-        pin.has_target = False
+        pin.has_target, pin.has_posed = False, pin.has_posed or pin.has_target
         pin.angle, pin.scale = 0.0, 1.0
 
 
@@ -407,9 +407,9 @@ def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indice
 
 def give_group(pin: bpy.types.PropertyGroup, name: str) -> None:
     """Let a pin go on as it is with what is the same vertices by another name."""
-    held = pin.has_target, pin.angle, pin.scale
+    held = pin.has_target, pin.has_posed, pin.angle, pin.scale
     pin.group = name  # which lets go of its target, as another group would
-    pin.has_target, pin.angle, pin.scale = held
+    pin.has_target, pin.has_posed, pin.angle, pin.scale = held
 
 
 def new_group(obj: bpy.types.Object, name: str = GROUP_NAME) -> bpy.types.VertexGroup:
@@ -437,7 +437,8 @@ def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> Non
     vertex_groups.clear(group)
     vertex_groups.give(group, vertices, 1.0)
     pin.group, pin.group_index, pin.owns_group, pin.kind = group.name, group.index, True, "PATCH"
-    pin.has_target, pin.angle, pin.scale = False, 0.0, 1.0  # it holds the drawing as it is now
+    pin.has_target = pin.has_posed = False
+    pin.angle, pin.scale = 0.0, 1.0  # it holds the drawing as it is now
     _count_groups(pin)
 
 

@@ -22,7 +22,9 @@ def unheld(obj: bpy.types.Object, distortion: Callable[[], native.Distortion | N
     back to rest.
     """
     enabled = [pin for pin in obj.planar.pins if pin.enabled and not is_joint(pin)]
-    if obj.planar.method == "AKVF" or not enabled or any(pin.has_target for pin in enabled):
+    if obj.planar.method == "AKVF" or not enabled:
+        return None
+    if any(pin.has_target or (pin.has_posed and len(obj.planar.poses)) for pin in enabled):
         return None
     found = distortion()
     if found is None or max(found.triangle_area.max(), found.triangle_angle.max()) <= DISTORTED:
