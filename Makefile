@@ -28,7 +28,7 @@ lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, what imports what, and 
 bench: ## Tables of the solver's speed, of a drag's cost in Blender's window, and beside libigl
 	@tools/bench.sh
 
-# Or windows, macos-arm64, macos-x64, all: these have not been linked yet, see docs/platforms.md.
+# Or windows, macos-arm64, macos-x64, all; no module for macOS has ever run, see docs/platforms.md.
 PLATFORM ?= linux
 extension: dist/.built-$(PLATFORM) ## dist/planar_deform-*.zip for Linux, to be installed in Blender; or for another PLATFORM
 

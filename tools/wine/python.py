@@ -56,7 +56,8 @@ def interpreter(tag: str, target: Path, work: Path) -> None:
                 continue
             if file.name == MATHEMATICS:
                 mathematics(archive.read(name), target, work)
-            if file.name.startswith("api-ms-win-"):  # the C library's, which are wine's own
+            # The C library is wine's own; what _wmi asks for, wine 8 has not, and Python does without it.
+            if file.name.startswith(("api-ms-win-", "_wmi.")):
                 continue
             beside = file.name.lower().startswith(("python", "vcruntime"))
             folder = target if beside else target / "DLLs"

@@ -28,7 +28,7 @@ module=build/wine/module
         echo "Installing Windows' bpy $version" >&2
         rm -rf "$site"
         build/cross/venv/bin/python -m pip install -qq --disable-pip-version-check --target "$site" --no-deps \
-            --only-binary=:all: --platform win_amd64 --python-version "${tag:2:1}.${tag:3}" --abi $tag --abi abi3 --abi none \
+            --ignore-requires-python --only-binary=:all: --platform win_amd64 --python-version "${tag:2:1}.${tag:3}" --abi $tag --abi abi3 --abi none \
             --requirement "tools/requirements/bpy-$version.txt" --requirement tools/requirements/test.txt
         # NumPy's mathematics are those of tools/wine/python.py.
         find "$site/numpy" -name '_multiarray_umath*.pyd' \
