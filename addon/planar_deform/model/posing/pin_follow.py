@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -74,8 +74,8 @@ class PinFollow(Posing):
             if self.settled or self.refines_slowly:
                 break
             self.move(*there)
-        if isinstance(solver, native.Poser) and not self._coarse and not self.settled:
-            self.positions = solver.settle()
+        if not (self._coarse or self.settled) and isinstance(solver.report, native.Report):
+            self.positions = cast(native.Poser, solver).settle()
         while not (self.settled or self.refines_slowly):
             self.move(*there)
         solved_shapes.keep(solver, key, self.positions)
