@@ -52,7 +52,7 @@ PYTHON = ".venv/bin/python"
 NEWEST = "sid"  # the Debian room that may turn out not to be installable
 BPY_VERSIONS = ("4.2.23", "4.5.15", "5.0.1", "5.2.3")
 WINE_BPY_VERSIONS = ("4.2.23", "4.5.15", "5.0.1")  # of Windows' bpy what wine runs
-NOT_IN_WINE = {"5.2.3": "bpy asks propsys.dll for VariantToString, which wine 8 has not"}
+NOT_IN_WINE = {"5.2.3": "bpy asks wine 8 for a mapping of each image's file, and gets none"}
 LONG_TERM = ("4.2.23", "4.5.15", "5.2.3")  # what most animators work with; a landing is tested in these
 PYTEST = (PYTHON, "-m", "pytest")
 

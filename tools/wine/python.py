@@ -111,6 +111,8 @@ def main() -> None:
         sources.extract(f"python{tag[2]}.{tag[3:]}", ("Lib",), work / "source")
         ignored = shutil.ignore_patterns("test", "idlelib")
         shutil.copytree(work / "source" / "Lib", partial / "Lib", ignore=ignored)
+        copying = partial / "Lib" / "shutil.py"  # which in 3.13 calls CopyFile2; wine 8 has none
+        copying.write_text(copying.read_text().replace('hasattr(_winapi, "CopyFile2")', "False"))
         program(tag, partial, work)
     partial.rename(target)
 
