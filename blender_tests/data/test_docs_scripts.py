@@ -140,7 +140,7 @@ def test_script_of_the_page_on_baking(tmp_path):
         return np.stack(shapes)
 
     before = shown()
-    script = script_of("bake.md").replace("/tmp/shot", f"{tmp_path.as_posix()}/shot")
+    script = script_of("bake.md").replace("/tmp/shot", (tmp_path / "shot").as_posix())
     cached, baked = script.split("bpy.context.object")
     exec(cached, {})
     assert (tmp_path / "Cutout_planar.pc2").stat().st_size == 32 + 49 * 81 * 12

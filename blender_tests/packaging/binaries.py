@@ -36,8 +36,8 @@ LINUX_LIBRARIES = {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "l
 WINDOWS_LIBRARIES = re.compile(r"kernel32\.dll|ntdll\.dll|advapi32\.dll|api-ms-win-crt-[a-z]+-l1-1-0\.dll")
 MACOS_LIBRARIES = {"/usr/lib/libSystem.B.dylib"}
 MACOS_LINKER = {"___dso_handle", "__mh_dylib_header"}  # where the file itself lies; zig's linker shows it
-# The operators new and delete of LLVM's C++ library, which nothing hides: weak ones, of which macOS takes one
-# for a whole process, Blender's.
+# The operators new and delete of LLVM's C++ library, which the linker cannot hide: weak ones, of which macOS
+# takes one for a whole process.
 MACOS_ALLOCATION = re.compile(r"__Z(n[aw]m|d[al]Pvm?)(St11align_val_t)?")
 # vfmadd132pd, 213, 231 and vfnmadd of 256 bits: VEX with the map 0F38; W1, L1; opcode. By chance: 1 in 5 MB.
 WIDE_FMA = re.compile(
