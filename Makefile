@@ -28,9 +28,9 @@ lint: ## Formatting, clang-tidy, ruff, mypy, shellcheck, what imports what, and 
 bench: ## Tables of the solver's speed, of a drag's cost in Blender's window, and beside libigl
 	@tools/bench.sh
 
-# Or windows, macos-arm64, macos-x64, all; no module for macOS has ever run, see docs/platforms.md.
-PLATFORM ?= linux
-extension: dist/.built-$(PLATFORM) ## dist/planar_deform-*.zip for Linux, to be installed in Blender; or for another PLATFORM
+# Or linux, windows, macos-arm64, macos-x64; no module for macOS has ever run, see docs/platforms.md.
+PLATFORM ?= all
+extension: dist/.built-$(PLATFORM) ## dist/planar_deform-*.zip, to be installed in Blender; PLATFORM=linux for that alone
 
 # What is packed or compiled, with its folders, whose dates tell of files that were added or removed.
 EXTENSION_SOURCES := $(shell find addon native CMakeLists.txt pyproject.toml LICENSE tools/build_extension* \
