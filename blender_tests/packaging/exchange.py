@@ -15,7 +15,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-PROJECT = Path(__file__).resolve().parents[2]
+from installed import PROJECT, result_in
+
 FRAMES = range(1, 10)
 CHOSEN, KEPT = r"//caches\bar.pc2", "//caches/bar.pc2"  # as Windows' file browser tells it, and as it is kept
 CLOSE = 1e-6
@@ -111,10 +112,7 @@ def run(command: list[str], step: str, path: str) -> dict:
         text=True,
         check=False,
     )
-    results = [line for line in done.stdout.splitlines() if line.startswith("RESULT ")]
-    if len(results) != 1:
-        raise SystemExit(f"{done.stdout}\n{step}: exit code {done.returncode}")
-    return json.loads(results[0].removeprefix("RESULT "))
+    return result_in(done.stdout, f"{step}, exit code {done.returncode}")
 
 
 def main() -> int:

@@ -89,9 +89,7 @@ class Blender:
         return result.returncode, result.stdout
 
     def step(self, *step: str) -> Any:
-        output = self.run(*self.program, *step)
-        (line,) = (line for line in output.splitlines() if line.startswith("RESULT "))
-        return json.loads(line.removeprefix("RESULT "))
+        return result_in(self.run(*self.program, *step), " ".join(step))
 
     def install(self, archive: Path) -> dict:
         """What is registered then: after a restart, where Blender starts with what its user enabled."""
@@ -122,3 +120,10 @@ def without_module(folder: Path) -> Path:
 def check(condition: bool, message: str) -> None:
     if not condition:
         raise AssertionError(message)
+
+
+def result_in(output: str, step: str) -> Any:
+    """What a step in a process of its own has told in what it printed."""
+    results = [line for line in output.splitlines() if line.startswith("RESULT ")]
+    check(len(results) == 1, f"{output}\n{step}: {len(results)} results")
+    return json.loads(results[0].removeprefix("RESULT "))

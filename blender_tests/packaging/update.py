@@ -17,6 +17,8 @@ import zipfile
 from importlib.util import find_spec
 from pathlib import Path
 
+from installed import result_in
+
 ADDON = Path(__file__).resolve().parents[2] / "addon" / "planar_deform"
 MODULE = "bl_ext.user_default.planar_deform"
 OLD, NEW = "8.0.0", "8.0.1"
@@ -110,10 +112,7 @@ def run(step: str, home: Path, *arguments: Path) -> list[dict]:
         text=True,
         check=False,
     )
-    results = [line for line in done.stdout.splitlines() if line.startswith("RESULT ")]
-    if len(results) != 1:
-        raise SystemExit(f"{done.stdout}\n{step}: exit code {done.returncode}")
-    return json.loads(results[0].removeprefix("RESULT "))
+    return result_in(done.stdout, f"{step}, exit code {done.returncode}")
 
 
 def main() -> int:

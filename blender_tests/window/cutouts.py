@@ -56,6 +56,19 @@ def pin(*places: Sequence[float]) -> None:
     bpy.ops.planar.select_pins(action="NONE")
 
 
+def carrying(window: Window, carried: bpy.types.Object) -> Iterator[None]:
+    """A sheet with a pin at each end that carries an object, seen by the Pose tool, in its own undo step."""
+    obj = sheet(columns=16, rows=2)
+    pin((-1.5, 0.0, 0.0), (1.5, 0.0, 0.0))
+    carried.select_set(True)
+    yield from window.look("FRONT")
+    with window.context():
+        assert bpy.ops.planar.attach_to() == {"FINISHED"}
+    activate(obj)
+    yield from window.use_tool()
+    bpy.ops.ed.undo_push(message="Test Scene")
+
+
 def ready(window: Window, *places: Sequence[float], direction: str = "FRONT") -> Iterator[None]:
     """A sheet with pins there, seen by the Pose tool, in an undo step of its own."""
     sheet()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from cutouts import activate, imported, pin, pin_data, shape, sheet
+from cutouts import activate, carrying, imported, pin, pin_data, shape, sheet
 from harness import Window, addon
 
 HAND = (1.5, 0.0, 0.0)
@@ -89,15 +89,7 @@ def test_what_a_drawing_carries_goes_along_in_the_same_drag(window: Window) -> I
     carried = sheet("Lantern", columns=2, rows=4, at=(1.5, -0.05, -0.5))
     bpy.ops.planar.add_pin(location=(1.5, -0.05, -0.1))
     bpy.ops.planar.add_pin(location=(1.5, -0.05, -0.9), extend=True)
-    obj = sheet(columns=16, rows=2)
-    pin((-1.5, 0.0, 0.0), HAND)
-    carried.select_set(True)
-    yield from window.look("FRONT")
-    with window.context():
-        assert bpy.ops.planar.attach_to() == {"FINISHED"}
-    activate(obj)
-    yield from window.use_tool()
-    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from carrying(window, carried)
     yield from window.hover(window.pixel(HAND))
     yield from window.wait(0.5)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
-from cutouts import activate, active, pin, pin_data, sheet
+from cutouts import activate, active, carrying, pin_data, sheet
 from harness import Window
 
 START = (1.5, 0.0, 0.0)
@@ -111,15 +111,7 @@ def test_a_lattice_that_is_carried_goes_along_in_the_drag(window: Window) -> Ite
     lattice = active()
     for height in (-0.1, -0.9):
         bpy.ops.planar.add_pin(location=(1.5, -0.05, height), extend=True)
-    obj = sheet(columns=16, rows=2)
-    pin((-1.5, 0.0, 0.0), (1.5, 0.0, 0.0))
-    lattice.select_set(True)
-    yield from window.look("FRONT")
-    with window.context():
-        assert bpy.ops.planar.attach_to() == {"FINISHED"}
-    activate(obj)
-    yield from window.use_tool()
-    bpy.ops.ed.undo_push(message="Test Scene")
+    yield from carrying(window, lattice)
     name = lattice.name
 
     def points() -> np.ndarray:

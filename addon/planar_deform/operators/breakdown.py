@@ -175,9 +175,10 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         assert before is not None  # or it was refused
         led_from = obj.planar.poses[before.pose].name
         yield from key_shown(context, obj, tell, kind="BREAKDOWN")
-        keyed = pose_state.pose_at(find(), frame)
+        obj = find()
+        keyed = pose_state.pose_at(obj, frame)
         if new and keyed is not None:
-            ended = pin_paths.split(find(), led_from, find().planar.poses[keyed].name)
+            ended = pin_paths.split(obj, led_from, obj.planar.poses[keyed].name)
             if ended:
                 names = ", ".join(f"'{name}'" for name in ended)
                 tell(f"The curve of {names} ends at the new pose now: choose one for each half of the way")

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -101,9 +102,8 @@ def _find_lost(lattice: bpy.types.Object) -> None:
             and of_lattice(obj, lattice)
         ]
         if len(found) == 1 or pin.object is not None:
-            held = pin.has_target, pin.has_posed, pin.angle, pin.scale
-            pin.object = found[0] if len(found) == 1 else None  # which lets go of its target
-            pin.has_target, pin.has_posed, pin.angle, pin.scale = held
+            with _keeping_target(pin):
+                pin.object = found[0] if len(found) == 1 else None
             pin.group_count = 0
 
 
@@ -407,8 +407,15 @@ def rebind(obj: bpy.types.Object, pin: bpy.types.PropertyGroup, vertices: Indice
 
 def give_group(pin: bpy.types.PropertyGroup, name: str) -> None:
     """Let a pin go on as it is with what is the same vertices by another name."""
+    with _keeping_target(pin):
+        pin.group = name
+
+
+@contextmanager
+def _keeping_target(pin: bpy.types.PropertyGroup) -> Iterator[None]:
+    """Whatever is set lets go of a pin's target, as other vertices would; these are the same."""
     held = pin.has_target, pin.has_posed, pin.angle, pin.scale
-    pin.group = name  # which lets go of its target, as another group would
+    yield
     pin.has_target, pin.has_posed, pin.angle, pin.scale = held
 
 
@@ -436,9 +443,8 @@ def hold_as_patch(obj: bpy.types.Object, index: int, vertices: list[int]) -> Non
         group = new_group(pinned)
     vertex_groups.clear(group)
     vertex_groups.give(group, vertices, 1.0)
+    # Which lets go of its target: it holds the drawing as it is now.
     pin.group, pin.group_index, pin.owns_group, pin.kind = group.name, group.index, True, "PATCH"
-    pin.has_target = pin.has_posed = False
-    pin.angle, pin.scale = 0.0, 1.0  # it holds the drawing as it is now
     _count_groups(pin)
 
 
