@@ -106,7 +106,8 @@ def test_pins_keep_their_places_on_a_coarse_drawing(how, turned, bent):
     now = np.array([pin.place for pin in shape_of(obj).pins])
     # Blender bends what was the flat half of a face where it subdivides a bent one.
     assert now[points] == pytest.approx(shown[points], abs=0.05 if bent else 1e-4)
-    assert places(obj)[5] == pytest.approx(before[5], abs=0.1)
+    # The middle of the patch's vertices, of which thinning leaves a few, on which side is chance.
+    assert places(obj)[5] == pytest.approx(before[5], abs=0.2 if "thinned" in how else 0.1)
     shape = world(obj)
     assert bpy.ops.planar.drag_pins(offset=(1e-5, 0.0)) == {"FINISHED"}
     if not bent:  # a finer drawing bends more softly than a coarse one

@@ -76,8 +76,9 @@ struct Report {
 ///
 /// 3. Where the energy falls along a step for longer than its Hessian expects, the step is prolonged, up to
 /// ten times. Projection alone is too stiff under compression and near saddles, and takes a hundred steps to
-/// settle then: settle() takes truncated Newton steps, a few conjugate gradients of the Hessian itself with
-/// the projected factor as preconditioner [Nocedal06].
+/// settle then: near a minimum, where the Hessian itself is positive definite, steps are Newton's own; and
+/// settle() takes truncated Newton steps, a few conjugate gradients of the Hessian itself with the projected
+/// factor as preconditioner [Nocedal06].
 ///
 /// 4. No triangle that lies as at rest is turned over, not even by rounding to float32: steps that would are
 /// shortened. Triangles that are inverted in the positions given to reset() have the foldover-free energy of

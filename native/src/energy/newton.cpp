@@ -27,6 +27,7 @@ constexpr double rounding = 1e-13;      // of the energy: what its evaluation ma
 constexpr double furthest_t = 10.0;     // of steps along which the energy falls for longer than expected
 constexpr double negligible = 1e-8;     // of the size: a step not worth taking
 constexpr int halving_budget = 20;      // of a step
+constexpr double near_minimum = 3e-3;   // of the size: a step behind which Newton's own Hessian is tried
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
@@ -83,15 +84,14 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
     }
     const double room = budget.limit - (x - start_).rowwise().norm().maxCoeff();
     if (room < 1e-3 * budget.limit) return outcome;
-    const bool lacking = system_.metric() == Metric::none || system_.metric() == Metric::killing;
-    if (lacking || (!budget.ahead && age_ >= oldest)) {
-      if (factors >= budget.factors) return outcome;
-      renew(x, factors);
+    if (!has_hessian() || (!budget.ahead && age_ >= oldest)) {
+      if (factors++ >= budget.factors) return outcome;
+      renew(x);
     }
     aim(x, step);
     if (age_ > 0 && step.length > (budget.ahead ? outdated_ahead : outdated) * last_length_) {
-      if (factors >= budget.factors) return outcome;
-      renew(x, factors);
+      if (factors++ >= budget.factors) return outcome;
+      renew(x);
       aim(x, step);
     } else if (budget.ahead && step.length > aging * last_length_) {
       age_ = oldest_ahead;
@@ -103,7 +103,7 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
     const bool fresh = age_ == 0;
     ++outcome.iterations;
     // Where a projected step would be cut short, a bolder one leads nearer to the collapse.
-    if (!budget.ahead && margin * step.collapse >= 1.0) {
+    if (!budget.ahead && system_.metric() == Metric::projected && margin * step.collapse >= 1.0) {
       system_.approach_newton(energy_, scale_, x, gradient_, direction_);
       measure(x, step);
     }
@@ -133,24 +133,40 @@ Newton::Outcome Newton::descend(const Budget& budget, Points& x) {
       outcome.converged = true;
       return outcome;
     }
-    last_length_ = full ? step.length : unlimited;
+    last_length_ = last_motion_ = full ? step.length : unlimited;
     if (step.t < 0.5 || (!full && !fresh)) system_.forget();
   }
   return outcome;
 }
 
-void Newton::renew(const Points& x, int& factors) {
+void Newton::forget() noexcept {
+  system_.forget();
+  last_motion_ = unlimited;
+}
+
+bool Newton::has_hessian() const {
+  return system_.metric() == Metric::newton || system_.metric() == Metric::projected;
+}
+
+/// Factors the Hessian at x, unprojected where that is likely to be positive definite.
+void Newton::renew(const Points& x) {
   age_ = 0;
-  ++factors;
+  if (last_motion_ < near_minimum * size_) {
+    try {
+      system_.factorize(Metric::newton, energy_, scale_, x);
+      return;
+    } catch (const SolveError&) {
+      last_motion_ = unlimited;
+    }
+  }
   system_.factorize(Metric::projected, energy_, scale_, x);
 }
 
-bool Newton::due() const { return system_.metric() != Metric::projected || age_ >= oldest_ahead; }
+bool Newton::due() const { return !has_hessian() || age_ >= oldest_ahead; }
 
 void Newton::renew_ahead(const Points& x) noexcept {
-  age_ = 0;
   try {
-    system_.factorize(Metric::projected, energy_, scale_, x);
+    renew(x);
   } catch (const SolveError&) {
     // Who needs the factor tries again, and reports it if it still fails.
   }

@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "energy/newton_system.h"
@@ -19,8 +20,9 @@ namespace planar {
 /// Hessian expects. No triangle that lies as at rest when it begins is turned over, not even by rounding to
 /// float32. Where a triangle would collapse within a tenth of a step, the step is one in the metric of the
 /// Killing energy of the mesh as it is [Claici17]. Projection is too stiff under compression and where limbs
-/// bend: descents that no event waits for go by truncated Newton steps, in which conjugate gradients,
-/// preconditioned by the projected factor, give the Hessian its negative curvature back [Nocedal06].
+/// bend: near a minimum, where the Hessian has no need of it, steps are Newton's own; and descents that no
+/// event waits for go by truncated Newton steps, in which conjugate gradients, preconditioned by the
+/// projected factor, give the Hessian its negative curvature back [Nocedal06].
 ///
 /// What is done is counted, never timed: equal input gives equal bits.
 class Newton {
@@ -49,6 +51,9 @@ class Newton {
   const NewtonSystem& system() const { return system_; }
   const RestEnergy& rest_energy() const { return energy_; }
   double size() const { return size_; }
+
+  /// The next descent begins anew, wherever the last one has come to.
+  void forget() noexcept;
 
   /// What is minimised from now on. The factor stays, if there is one.
   void set_energy(RestEnergy energy, double scale);
@@ -88,7 +93,8 @@ class Newton {
 
  private:
   double gradient(const Points& x);
-  void renew(const Points& x, int& factors);
+  bool has_hessian() const;
+  void renew(const Points& x);
   void aim(const Points& x, Step& step);
   void measure(const Points& x, Step& step) const;
   void search(double longest, Points& x, Step& step);
@@ -102,6 +108,8 @@ class Newton {
   // Of the factor.
   int age_ = 0;               ///< steps taken with it
   double last_length_ = 0.0;  ///< of the step before with it, infinite if that was not a full one
+  /// The same of the step before with any, until forget().
+  double last_motion_ = std::numeric_limits<double>::infinity();
 
   // Of the descent under way.
   Points start_, gradient_, direction_, trial_, further_;

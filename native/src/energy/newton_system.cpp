@@ -67,16 +67,17 @@ void NewtonSystem::factorize(Metric metric, const RestEnergy& energy, double sca
     part = 0.5;
   } else {
     matrix_.set_zero();
-    energy.add_hessian(x, active_, matrix_);
+    using Hessian = RestEnergy::Hessian;
+    energy.add_hessian(x, active_, matrix_, metric == Metric::newton ? Hessian::full : Hessian::projected);
     matrix_.set_unit_rows(active_);
   }
   scale_and_add_springs(scale, part);
   // Slivers that are nearly collapsed and very stiff leave rounding errors larger than the smallest
-  // eigenvalues; but never ones as large as the last regularization, as the metric is semidefinite.
-  const double most = std::max(1.0, most_regularization * matrix_.largest());
+  // eigenvalues; but never ones as large as the last regularization, where the metric is semidefinite.
+  const double most = metric == Metric::newton ? 0.0 : std::max(1.0, most_regularization * matrix_.largest());
   for (double more = regularization;; more *= 1e3) {
     for (int v = 0; v < mesh_.n_vertices; ++v) {
-      if (is_active(v)) matrix_.add(v, v, more);
+      if (is_active(v)) matrix_.add(v, more * Eigen::Matrix2d::Identity());
     }
     try {
       solver_->factorize(matrix_.matrix());

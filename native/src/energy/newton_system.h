@@ -29,7 +29,8 @@ class NewtonSystem {
  public:
   enum class Metric {
     none,       ///< no factor
-    projected,  ///< the rest energy's Hessian, triangle by triangle semidefinite
+    newton,     ///< the rest energy's Hessian
+    projected,  ///< the same, triangle by triangle semidefinite
     killing,    ///< 2K of the mesh as it is
   };
 
@@ -56,7 +57,7 @@ class NewtonSystem {
   void set_active(std::vector<char> active) noexcept;
 
   /// Factors the metric of `scale` times the energy at x.
-  /// \throw SolveError the metric is not finite, or no memory
+  /// \throw SolveError the metric is not finite or, Newton's own, not positive definite; or no memory
   void factorize(Metric metric, const RestEnergy& energy, double scale, const Points& x);
   void forget() noexcept { metric_ = Metric::none; }
 

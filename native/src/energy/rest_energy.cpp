@@ -198,19 +198,22 @@ double RestEnergy::add_flat_gradient(const FlatTriangle& flat, const Points& x, 
 
 namespace {
 
-/// The blocks of a triangle: a sum of outer products of four vectors, the last one with a sign.
+/// The blocks of a triangle: a sum of outer products of four vectors, each times its eigenvalue.
 struct Blocks {
   std::array<std::array<Complex, 3>, 4> mode;  ///< by mode and corner
-  double last_sign = 1.0;
+  std::array<double, 4> eigenvalue;
 
   void add_to(double* value, const MeshMatrix::Element& element) const {
+    std::array<std::array<Complex, 3>, 4> scaled;
+    for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) scaled[k][c] = eigenvalue[k] * mode[k][c];
+    }
     for (std::size_t c = 0; c < 3; ++c) {
       double xx = 0.0, xy = 0.0, yy = 0.0;
       for (std::size_t k = 0; k < 4; ++k) {
-        const double x = mode[k][c].real(), y = mode[k][c].imag(), sign = k == 3 ? last_sign : 1.0;
-        xx += sign * x * x;
-        xy += sign * x * y;
-        yy += sign * y * y;
+        xx += scaled[k][c].real() * mode[k][c].real();
+        xy += scaled[k][c].real() * mode[k][c].imag();
+        yy += scaled[k][c].imag() * mode[k][c].imag();
       }
       value[element.diagonal[c]] += xx;
       value[element.diagonal[c] + 1] += xy;
@@ -219,12 +222,11 @@ struct Blocks {
     for (std::size_t s = 0; s < 3; ++s) {
       double xx = 0.0, yx = 0.0, xy = 0.0, yy = 0.0;
       for (std::size_t k = 0; k < 4; ++k) {
-        const Complex later = mode[k][pairs[s][1]], earlier = mode[k][pairs[s][0]];
-        const double sign = k == 3 ? last_sign : 1.0;
-        xx += sign * later.real() * earlier.real();
-        yx += sign * later.imag() * earlier.real();
-        xy += sign * later.real() * earlier.imag();
-        yy += sign * later.imag() * earlier.imag();
+        const Complex later = scaled[k][pairs[s][1]], earlier = mode[k][pairs[s][0]];
+        xx += later.real() * earlier.real();
+        yx += later.imag() * earlier.real();
+        xy += later.real() * earlier.imag();
+        yy += later.imag() * earlier.imag();
       }
       value[element.below[s]] += xx;
       value[element.below[s] + 1] += yx;
@@ -249,10 +251,10 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
     double first, second, c1 = 1.0, s1 = 1.0, c2 = 1.0, s2 = -1.0;
     if (triangle.softening == 0.0) {
       // The second derivatives of Σ σ² + σ⁻² by the singular values |a| ± |b|.
-      const double large = p + q, small = j.delta / large;
-      const double large_2 = large * large, small_2 = small * small;
-      first = 2.0 + 6.0 / (large_2 * large_2);
-      second = 2.0 + 6.0 / (small_2 * small_2);
+      const double large = p + q, from_large = 1.0 / large, from_small = large * (1.0 / j.delta);
+      const double large_2 = from_large * from_large, small_2 = from_small * from_small;
+      first = 2.0 + 6.0 * large_2 * large_2;
+      second = 2.0 + 6.0 * small_2 * small_2;
     } else {
       const double curved = 4.0 * j.square * psi.curvature;
       const double pp = j.along_a(psi) + p * p * (16.0 * psi.slope + curved);
@@ -267,26 +269,25 @@ void RestEnergy::add_hessian(const Points& x, const std::vector<char>& active, M
       second = std::max(0.0, mean - radius);
     }
     const double along_a = j.along_a(psi);
-    const double twist = along_a < 0.0 && (kind == Hessian::projected || triangle.softening != 0.0)
-                             ? 0.0
-                             : std::sqrt(triangle.weight * std::abs(along_a));
-    const double shear = std::sqrt(triangle.weight * std::max(0.0, j.along_b(psi)));
-    first = std::sqrt(triangle.weight * first);
-    second = std::sqrt(triangle.weight * second);
-    const double ax = p > 0.0 ? j.ax / p : 1.0, ay = p > 0.0 ? j.ay / p : 0.0;
-    const double bx = q > 0.0 ? j.bx / q : 1.0, by = q > 0.0 ? j.by / q : 0.0;
+    const double twist =
+        kind == Hessian::projected || triangle.softening != 0.0 ? std::max(0.0, along_a) : along_a;
+    const double shear = std::max(0.0, j.along_b(psi));
+    const double from_p = p > 0.0 ? 1.0 / p : 0.0, from_q = q > 0.0 ? 1.0 / q : 0.0;
+    const double ax = p > 0.0 ? j.ax * from_p : 1.0, ay = j.ay * from_p;
+    const double bx = q > 0.0 ? j.bx * from_q : 1.0, by = j.by * from_q;
 
     Blocks blocks;
-    blocks.last_sign = along_a < 0.0 ? -1.0 : 1.0;
+    blocks.eigenvalue = {triangle.weight * first, triangle.weight * second, triangle.weight * shear,
+                         triangle.weight * twist};
     const std::array<double, 2> gx{triangle.g1x, triangle.g2x}, gy{triangle.g1y, triangle.g2y};
     for (std::size_t c = 0; c < 2; ++c) {
       // a g and b conj(g), with a and b of length 1.
       const double rax = ax * gx[c] - ay * gy[c], ray = ay * gx[c] + ax * gy[c];
       const double rbx = bx * gx[c] + by * gy[c], rby = by * gx[c] - bx * gy[c];
-      blocks.mode[0][c + 1] = {first * (c1 * rax + s1 * rbx), first * (c1 * ray + s1 * rby)};
-      blocks.mode[1][c + 1] = {second * (c2 * rax + s2 * rbx), second * (c2 * ray + s2 * rby)};
-      blocks.mode[2][c + 1] = {-shear * rby, shear * rbx};
-      blocks.mode[3][c + 1] = {-twist * ray, twist * rax};
+      blocks.mode[0][c + 1] = {c1 * rax + s1 * rbx, c1 * ray + s1 * rby};
+      blocks.mode[1][c + 1] = {c2 * rax + s2 * rbx, c2 * ray + s2 * rby};
+      blocks.mode[2][c + 1] = {-rby, rbx};
+      blocks.mode[3][c + 1] = {-ray, rax};
     }
     for (auto& m : blocks.mode) m[0] = -(m[1] + m[2]);
     blocks.add_to(value, element);

@@ -70,7 +70,7 @@ RestEnergy FrameTracker::energy_at(double u) {
 Points FrameTracker::follow(const Points& x, const Points& of, const Points& y, double u, double tolerance) {
   springs_.y = y;
   springs_.strength = pull_;
-  newton_.system().forget();
+  newton_.forget();
   newton_.set_energy(energy_at(u), 4.0 * u * (1.0 - u));
   Points result = predicted(x, of, y);
   newton_.begin(result);

@@ -19,4 +19,8 @@ void solve_forward(const FactorBlock& block, double* x, int columns);
 /// A block's step of x ← L⁻ᵀ x, all of those behind it done.
 void solve_backward(const FactorBlock& block, double* x, int columns);
 
+/// The same steps for one right side, of which y has what is at the block's rows, next to each other.
+void solve_gathered_forward(const FactorBlock& block, double* y);
+void solve_gathered_backward(const FactorBlock& block, double* y);
+
 }  // namespace planar

@@ -20,8 +20,9 @@ namespace planar {
 
 namespace {
 
+using Four = double __attribute__((vector_size(32)));
+
 void for_wide_strips(double* x, int columns, const auto& solve) {
-  using Four = double __attribute__((vector_size(32)));
   using Pair = double __attribute__((vector_size(16)));
   for_strips<Four, Pair, double>(x, columns, columns, solve);
 }
@@ -35,6 +36,10 @@ void solve_forward_avx2(const FactorBlock& block, double* x, int columns) {
 void solve_backward_avx2(const FactorBlock& block, double* x, int columns) {
   for_wide_strips(x, columns, [&block](const auto& strip) { strip.backward(block); });
 }
+
+void solve_gathered_forward_avx2(const FactorBlock& block, double* y) { Gathered<Four>::forward(block, y); }
+
+void solve_gathered_backward_avx2(const FactorBlock& block, double* y) { Gathered<Four>::backward(block, y); }
 
 }  // namespace planar
 

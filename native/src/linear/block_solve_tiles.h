@@ -6,7 +6,7 @@
 
 #include "linear/block_solve.h"
 
-/// What solve_forward and solve_backward do, for the sources that compile it for one kind of processor each:
+/// What the steps of block_solve.h do, for the sources that compile it for one kind of processor each:
 /// everything here is theirs alone, and calls nothing that they could share.
 namespace planar {
 namespace {
@@ -170,6 +170,100 @@ void for_strips(double* x, std::ptrdiff_t stride, int columns, const auto& solve
   }
   if constexpr (sizeof...(Narrower) > 0) for_strips<Narrower...>(x, stride, columns, solve);
 }
+
+/// One right side, with vectors of its rows. The factor is read once, which takes most of the time, so four
+/// of its columns share what is read of the right side.
+template <class Vector>
+struct Gathered {
+  static constexpr int lanes = sizeof(Vector) / sizeof(double), columns_at_once = 4;
+
+  static Vector load(const double* from) {
+    Vector result;
+    std::memcpy(&result, from, sizeof result);
+    return result;
+  }
+
+  static double sum(const Vector& v) {
+    if constexpr (lanes == 1) {
+      return v;
+    } else {
+      double result = 0.0;
+      for (int lane = 0; lane < lanes; ++lane) result += v[lane];
+      return result;
+    }
+  }
+
+  static void forward(const FactorBlock& b, double* y) {
+    const std::ptrdiff_t next = b.height;
+    int first = 0;
+    for (; first + columns_at_once <= b.width; first += columns_at_once) {
+      const double* d = b.value + first * (next + 1);  // on the diagonal
+      const double y0 = y[first] / d[0];
+      const double y1 = (y[first + 1] - d[1] * y0) / d[next + 1];
+      const double y2 = (y[first + 2] - d[2] * y0 - d[next + 2] * y1) / d[2 * next + 2];
+      const double y3 =
+          (y[first + 3] - d[3] * y0 - d[next + 3] * y1 - d[2 * next + 3] * y2) / d[3 * next + 3];
+      y[first] = y0;
+      y[first + 1] = y1;
+      y[first + 2] = y2;
+      y[first + 3] = y3;
+      const double* c = b.value + first * next;
+      int row = first + columns_at_once;
+      for (; row + lanes <= b.height; row += lanes) {
+        const Vector left = load(y + row) - load(c + row) * y0 - load(c + next + row) * y1 -
+                            load(c + 2 * next + row) * y2 - load(c + 3 * next + row) * y3;
+        std::memcpy(y + row, &left, sizeof left);
+      }
+      for (; row < b.height; ++row) {
+        y[row] -= c[row] * y0 + c[next + row] * y1 + c[2 * next + row] * y2 + c[3 * next + row] * y3;
+      }
+    }
+    for (; first < b.width; ++first) {
+      const double* c = b.value + first * next;
+      const double known = y[first] /= c[first];
+      for (int row = first + 1; row < b.height; ++row) y[row] -= c[row] * known;
+    }
+  }
+
+  static void backward(const FactorBlock& b, double* y) {
+    const std::ptrdiff_t next = b.height;
+    int end = b.width;
+    for (; end % columns_at_once != 0; --end) {
+      const double* c = b.value + (end - 1) * next;
+      double known = 0.0;
+      for (int row = end; row < b.height; ++row) known += c[row] * y[row];
+      y[end - 1] = (y[end - 1] - known) / c[end - 1];
+    }
+    for (; end > 0; end -= columns_at_once) {
+      const int first = end - columns_at_once;
+      const double* c = b.value + first * next;
+      Vector s0{}, s1{}, s2{}, s3{};
+      int row = end;
+      for (; row + lanes <= b.height; row += lanes) {
+        const Vector known = load(y + row);
+        s0 += load(c + row) * known;
+        s1 += load(c + next + row) * known;
+        s2 += load(c + 2 * next + row) * known;
+        s3 += load(c + 3 * next + row) * known;
+      }
+      double known0 = sum(s0), known1 = sum(s1), known2 = sum(s2), known3 = sum(s3);
+      for (; row < b.height; ++row) {
+        known0 += c[row] * y[row];
+        known1 += c[next + row] * y[row];
+        known2 += c[2 * next + row] * y[row];
+        known3 += c[3 * next + row] * y[row];
+      }
+      const double* d = c + first;  // on the diagonal
+      const double y3 = (y[first + 3] - known3) / d[3 * next + 3];
+      const double y2 = (y[first + 2] - known2 - d[2 * next + 3] * y3) / d[2 * next + 2];
+      const double y1 = (y[first + 1] - known1 - d[next + 2] * y2 - d[next + 3] * y3) / d[next + 1];
+      y[first] = (y[first] - known0 - d[1] * y1 - d[2] * y2 - d[3] * y3) / d[0];
+      y[first + 1] = y1;
+      y[first + 2] = y2;
+      y[first + 3] = y3;
+    }
+  }
+};
 
 }  // namespace
 }  // namespace planar

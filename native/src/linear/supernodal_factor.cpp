@@ -9,6 +9,7 @@
 
 #include "base/complex_product.h"
 #include "base/index.h"
+#include "linear/block_panel.h"
 #include "linear/block_product.h"
 
 namespace planar {
@@ -19,18 +20,6 @@ template <class Number>
 constexpr int doubles = std::same_as<Number, double> ? 1 : 2;  // that a number is made of
 
 using Complex = std::complex<double>;
-
-/// In eight sums: one would wait for each addition.
-double dot(const double* a, const double* b, int count) {
-  std::array<double, 8> sum{};
-  int i = 0;
-  for (; i + 8 <= count; i += 8) {
-    for (int lane = 0; lane < 8; ++lane) sum[static_cast<std::size_t>(lane)] += a[i + lane] * b[i + lane];
-  }
-  double rest = 0.0;
-  for (; i < count; ++i) rest += a[i] * b[i];
-  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])) + rest;
-}
 
 /// Of conj(a) and b.
 Complex dot(const Complex* a, const Complex* b, int count) {
@@ -49,6 +38,29 @@ Complex dot(const Complex* a, const Complex* b, int count) {
   return Complex((straight[0] + straight[1]) + (straight[2] + straight[3]),
                  (crossed[0] - crossed[1]) + (crossed[2] - crossed[3])) +
          rest;
+}
+
+/// What block_solve.h does, for complex numbers, of which few systems are made.
+void solve_gathered_forward(const Complex* column, int width, int height, Complex* y) {
+  for (int j = 0; j < width; ++j, column += height) {
+    y[j] /= column[j].real();
+    for (int i = j + 1; i < height; ++i) y[i] -= product(column[i], y[j]);
+  }
+}
+
+void solve_gathered_backward(const Complex* value, int width, int height, Complex* y) {
+  for (int j = width - 1; j >= 0; --j) {
+    const Complex* column = value + static_cast<std::ptrdiff_t>(j) * height;
+    y[j] = (y[j] - dot(column + j + 1, y + j + 1, height - j - 1)) / column[j].real();
+  }
+}
+
+void solve_gathered_forward(const double* value, int width, int height, double* y) {
+  solve_gathered_forward(FactorBlock{value, width, height, nullptr}, y);
+}
+
+void solve_gathered_backward(const double* value, int width, int height, double* y) {
+  solve_gathered_backward(FactorBlock{value, width, height, nullptr}, y);
 }
 
 /// The lower part of A Bᴴ, with m×k A and B its first n rows. With complex numbers as rows of doubles,
@@ -166,6 +178,12 @@ bool SupernodalFactor<Number>::factor_block(int s) {
     const int count = std::min(tile_columns, width(s) - first), left = height(s) - first;
     Number* panel = block(s) + first * (stride + 1);
     const LowerProduct<Number> earlier_columns(block(s) + first, left, count, first, stride, work_.data());
+    if constexpr (std::same_as<Number, double>) {
+      if (count == tile_columns) {
+        if (!factor_panel({panel, stride, left}, work_.data(), product_stride(left))) return false;
+        continue;
+      }
+    }
     for (int j = 0; j < count; ++j) {
       Number* column = panel + j * stride;
       for (int i = j; i < left; ++i) column[i] -= earlier_columns(i, j);
@@ -187,26 +205,20 @@ bool SupernodalFactor<Number>::factor_block(int s) {
 template <class Number>
 void SupernodalFactor<Number>::solve(Vector& x) {
   Number* y = rows_of_x_.data();
+  const auto gather_rows = [this, &x, y](int s) {
+    for (int i = 0; i < height(s); ++i) y[i] = x[rows(s)[i]];
+  };
   for (int s = 0; s < n_blocks(); ++s) {
-    Number* own = x.data() + nodes_.first[at(s)];
+    const Number* own = x.data() + nodes_.first[at(s)];
     if (std::all_of(own, own + width(s), [](Number value) { return value == 0.0; })) continue;
-    std::copy_n(own, width(s), y);
-    std::fill(y + width(s), y + height(s), 0.0);
-    const Number* column = block(s);
-    for (int j = 0; j < width(s); ++j, column += height(s)) {
-      own[j] = y[j] /= std::real(column[j]);
-      for (int i = j + 1; i < height(s); ++i) y[i] -= product(column[i], own[j]);
-    }
-    for (int i = width(s); i < height(s); ++i) x[rows(s)[i]] += y[i];
+    gather_rows(s);
+    solve_gathered_forward(block(s), width(s), height(s), y);
+    for (int i = 0; i < height(s); ++i) x[rows(s)[i]] = y[i];
   }
   for (int s = n_blocks() - 1; s >= 0; --s) {
-    Number* own = x.data() + nodes_.first[at(s)];
-    for (int i = 0; i < height(s); ++i) y[i] = x[rows(s)[i]];
-    const Number* column = block(s) + static_cast<std::ptrdiff_t>(width(s)) * height(s);
-    for (int j = width(s) - 1; j >= 0; --j) {
-      column -= height(s);
-      own[j] = y[j] = (y[j] - dot(column + j + 1, y + j + 1, height(s) - j - 1)) / std::real(column[j]);
-    }
+    gather_rows(s);
+    solve_gathered_backward(block(s), width(s), height(s), y);
+    std::copy_n(y, width(s), x.data() + nodes_.first[at(s)]);
   }
 }
 

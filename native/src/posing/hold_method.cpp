@@ -158,7 +158,7 @@ void HoldMethod::set_rest(const Points& rest) {
 
 void HoldMethod::reset() noexcept {
   worker_.wait();
-  newton_.system().forget();
+  newton_.forget();
   unseen_ = true;
   origin_.resize(0, 2);
 }
@@ -224,7 +224,7 @@ void HoldMethod::descend(const Points& targets, const Newton::Budget& budget, bo
       may_be_tangled_ = false;
     }
   } catch (...) {
-    newton_.system().forget();
+    newton_.forget();
     throw;
   }
   if (!budget.ahead || report.converged || !newton_.due()) return;
@@ -307,7 +307,7 @@ bool HoldMethod::begin_from_rest(const std::vector<char>& parts, Points& x) {
     const Complex p = motion_of(part).at(complex_row(rest_, v));
     x.row(v) << p.real(), p.imag();
   }
-  newton_.system().forget();
+  newton_.forget();
   return true;
 }
 
@@ -426,7 +426,7 @@ void HoldMethod::turn_factor(const std::vector<RigidMotion>& motions, const std:
   }
   for (const Joint& joint : springs_.joints) {
     const Complex first = turn[at(joint.first.part)], second = turn[at(joint.second.part)];
-    if (std::abs(first - second) > worth_a_factor) newton_.system().forget();
+    if (std::abs(first - second) > worth_a_factor) newton_.forget();
   }
   newton_.system().turn(turn);
 }

@@ -12,16 +12,23 @@ namespace planar {
 namespace {
 
 using Step = void (*)(const FactorBlock&, double*, int);
+using GatheredStep = void (*)(const FactorBlock&, double*);
 
 struct Kind {
   Step forward, backward;
+  GatheredStep gathered_forward, gathered_backward;
 };
 
 /// Those that this processor can do.
 std::vector<Kind> kinds() {
-  std::vector<Kind> result{{solve_forward, solve_backward}, {solve_forward_any, solve_backward_any}};
+  std::vector<Kind> result{
+      {solve_forward, solve_backward, solve_gathered_forward, solve_gathered_backward},
+      {solve_forward_any, solve_backward_any, solve_gathered_forward_any, solve_gathered_backward_any}};
 #ifdef PLANAR_AVX2
-  if (has_avx2()) result.push_back({solve_forward_avx2, solve_backward_avx2});
+  if (has_avx2()) {
+    result.push_back(
+        {solve_forward_avx2, solve_backward_avx2, solve_gathered_forward_avx2, solve_gathered_backward_avx2});
+  }
 #endif
   return result;
 }
@@ -58,6 +65,9 @@ TEST_P(EverySolve, IsTheStepOfDenseTriangles) {
         GetParam().forward(factor, solved.data(), columns);
         // Numbers up to 10 and sums of at most 23 products.
         ASSERT_TRUE((solved - expected).isZero(1e-13)) << width << ' ' << below << ' ' << columns;
+        Eigen::VectorXd gathered = x(row, 0);
+        GetParam().gathered_forward(factor, gathered.data());
+        ASSERT_TRUE((gathered - expected(row, 0)).isZero(1e-13)) << width << ' ' << below;
 
         expected = x;
         const Rows left = x(own_rows, Eigen::all) - rest.transpose() * x(rows_below, Eigen::all);
@@ -65,6 +75,9 @@ TEST_P(EverySolve, IsTheStepOfDenseTriangles) {
         solved = x;
         GetParam().backward(factor, solved.data(), columns);
         ASSERT_TRUE((solved - expected).isZero(1e-13)) << width << ' ' << below << ' ' << columns;
+        gathered = x(row, 0);
+        GetParam().gathered_backward(factor, gathered.data());
+        ASSERT_TRUE((gathered - expected(row, 0)).isZero(1e-13)) << width << ' ' << below;
       }
     }
   }
