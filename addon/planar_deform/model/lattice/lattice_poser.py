@@ -86,6 +86,11 @@ class LatticePoser:
         self._solver.refine()
         return self.positions
 
+    def settle(self, *, progress: Progress | None = None) -> Array:
+        """To the pose that belongs to the last targets; positions."""
+        self._solver.settle()
+        return self.positions
+
     @property
     def positions(self) -> Array:
         """Where everything is."""

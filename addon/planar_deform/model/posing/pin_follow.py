@@ -5,11 +5,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
-from ... import native
 from ..plane.cutout import Cutout
 from ..plane.frame import Array
 from . import solved_shapes
@@ -74,8 +73,8 @@ class PinFollow(Posing):
             if self.settled or self.refines_slowly:
                 break
             self.move(*there)
-        if not (self._coarse or self.settled) and isinstance(solver.report, native.Report):
-            self.positions = cast(native.Poser, solver).settle()
+        if not (self._coarse or self.settled):
+            self.positions = solver.settle()
         while not (self.settled or self.refines_slowly):
             self.move(*there)
         solved_shapes.keep(solver, key, self.positions)

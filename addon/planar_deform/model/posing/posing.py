@@ -41,6 +41,8 @@ class Poser(Protocol):
 
     def refine(self, *, progress: Progress | None = None) -> Array: ...
 
+    def settle(self, *, progress: Progress | None = None) -> Array: ...
+
 
 class MakePoser(Protocol):
     """Gives a solver that stands where a posing starts. `progress` is asked where making it takes long."""
