@@ -237,7 +237,8 @@ def _go_on(obj: bpy.types.Object, stamp: str, frame: float, depsgraph: bpy.types
     drawing = read_posed(obj, unkeyed=True)
     if motion is None:
         motion = _Motion(obj.planar.followed, frame, drawing, pin_list.SavedResults(obj))
-    to_controls.solve(obj, drawing, frame, depsgraph, beside=running.now() is not None)
+    by_hand, beside = to_controls.posed_by_hand(obj, frame), running.now() is not None
+    to_controls.solve(obj, drawing, frame, depsgraph, beside=beside, by_hand=by_hand)
     motion.left, motion.at, motion.modal = _state(obj), time.monotonic(), _held()
     _motions[obj.session_uid] = motion
 
