@@ -71,8 +71,11 @@ def switched(obj: bpy.types.Object) -> None:
     """Live has been turned on or off: the poses of an object play only where it is off."""
     note(obj)
     obj.planar.followed = ""  # the pins may have been anywhere since
-    if obj.type in points.TYPES and pose_state.is_ours(obj) and pose_state.refusal(obj) is None:
-        pose_showing.let_play(obj, not obj.planar.live)
+    if obj.type in points.TYPES and pose_state.is_ours(obj):
+        if pose_state.refusal(obj) is None:
+            pose_showing.let_play(obj, not obj.planar.live)
+        elif not obj.planar.live:
+            pose_showing.let_strip_play(obj)
 
 
 @contextlib.contextmanager
