@@ -18,7 +18,7 @@ from ..scene.pin_properties import JOINT_KINDS
 from ..scene.pins import joint_list, pin_list
 from .modal import running
 from .modal.pin_selection import select_only
-from .pins import ON_MESH, PinListOperator
+from .pins import ON_MESH, PinListChange
 from .posing_operator import PosingOperator
 
 ONE_PART = (
@@ -148,12 +148,12 @@ class PLANAR_OT_set_weld_radius(WeldRadius, JointOperator, bpy.types.Operator):
             pin.kind = "WELD"
 
 
-class PLANAR_OT_detach(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_detach(PinListChange, bpy.types.Operator):
     bl_idname = "planar.detach"
     bl_label = "Detach"
     bl_description = "Remove the selected joints, or all if none is selected; the drawing stays as it is"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def change(self, context: bpy.types.Context) -> set[str]:
         running.end()
         obj = context.object
         if not (joint_list.remove(obj, selected=True) or joint_list.remove(obj, selected=False)):

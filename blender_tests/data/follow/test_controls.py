@@ -58,6 +58,7 @@ def test_each_pin_gets_an_empty_where_it_is_and_follows_it_live(parented):
     added = [pin.follow for pin in obj.planar.pins]
     assert [control.name for control in added] == [pin.name for pin in obj.planar.pins]
     assert [control.empty_display_type for control in added] == ["CIRCLE", "CUBE"]
+    assert all(control.show_in_front for control in added), "behind the body, too"
     assert set(bpy.context.selected_objects) == set(added)
     assert bpy.context.view_layer.objects.active in added
     for control, place in zip(added, places, strict=True):
