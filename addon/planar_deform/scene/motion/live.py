@@ -136,7 +136,7 @@ def stands(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _shows_it(obj: bpy.types.Object, frame: float) -> bool:
-    """Whether the frame has not shown a pose again, nor is it another one than that it was posed by hand at."""
+    """Whether the frame has not shown a pose again, and is the one at which it was posed by hand, if any."""
     if not pose_state.is_ours(obj):
         return True
     by_hand_elsewhere = obj.planar.posed_at != pin_list.NO_FRAME and not pin_list.posed_by_hand(obj, frame)

@@ -78,8 +78,8 @@ def at_frame(
 ) -> tuple[PinFollow, Array32 | None]:
     """The posing that has come to the shape of a frame, and that shape if the drawing has poses.
 
-    `read_at`: as in followed(). `by_hand`: pins that follow nothing stand where they are in `drawing`, and not
-    where the poses have them. Raises Refusal and native.SolveError.
+    `read_at`: as in followed(). `by_hand`: pins that follow nothing stand where they are in `drawing`, and
+    not where the poses have them. Raises Refusal and native.SolveError.
     """
     groups = pin_list.read_groups(obj)
     holders = pin_list.bound_pins(obj, drawing, groups)

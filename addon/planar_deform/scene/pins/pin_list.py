@@ -292,7 +292,7 @@ def store_results(
 
 def posed_by_hand(obj: bpy.types.Object, frame: float) -> bool:
     """Whether what an object shows has been posed by hand at this frame, as far as its pins know."""
-    return abs(obj.planar.posed_at - frame) < SAME_FRAME
+    return bool(abs(obj.planar.posed_at - frame) < SAME_FRAME)
 
 
 class SavedResults:
