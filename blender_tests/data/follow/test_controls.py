@@ -78,6 +78,19 @@ def test_each_pin_gets_an_empty_where_it_is_and_follows_it_live(parented):
     assert angle(obj) == pytest.approx(15.0, abs=1.5)
 
 
+def test_a_pin_that_follows_and_is_dragged_is_told_not_to_stay(capfd):
+    obj = pinned()
+    assert bpy.ops.planar.add_controls() == {"FINISHED"}
+    activate(obj)
+    told = "'Pin.001' goes back to 'Pin.001' with the next frame: move that, or keep this by Set Offset"
+    capfd.readouterr()
+    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.0, 0.1)) == {"FINISHED"}
+    assert told in capfd.readouterr().out
+    obj.planar.live = False
+    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.0, 0.1)) == {"FINISHED"}
+    assert told not in capfd.readouterr().out
+
+
 def test_a_patch_s_control_shows_its_turn():
     obj = pinned()
     bpy.ops.planar.rotate_pins(pin=1, angle=0.5)
