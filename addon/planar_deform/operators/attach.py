@@ -79,9 +79,10 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
             joint = _added(obj, drawing, attachment)
             joint.select = True
             welds += joint.kind == "WELD"
-        self.report(
-            {"INFO"}, f"Attached by {counted(len(found) - welds, 'hinge')} and {counted(welds, 'weld')}"
+        told = [counted(len(found) - welds, "hinge")] * (welds < len(found)) + [counted(welds, "weld")] * (
+            welds > 0
         )
+        self.report({"INFO"}, f"Attached by {' and '.join(told)}")
 
 
 class PLANAR_OT_add_joint(WeldRadius, JointOperator, bpy.types.Operator):
@@ -165,13 +166,17 @@ class PLANAR_OT_detach(PinListChange, bpy.types.Operator):
 def _add(
     obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment, radius: float
 ) -> bpy.types.PropertyGroup:
-    """Add a joint; a weld holds what is within the radius. Raises Refusal."""
+    """Add a joint, named after the layer that it carries; a weld holds what is within the radius.
+
+    Raises Refusal.
+    """
     parts = (attachment.carrier, attachment.carried)
+    name = joint_list.layer_of(obj, drawing.vertex_indices[drawing.parts == attachment.carried])
     if attachment.rigid:
         rows = _welded(drawing, parts, attachment.place, radius)
-        return joint_list.add(obj, "WELD", drawing.vertex_indices[rows], np.ones(len(rows)))
+        return joint_list.add(obj, "WELD", drawing.vertex_indices[rows], np.ones(len(rows)), name)
     rows, weights = joints.hinge_binding(drawing.cutout, parts, attachment.place)
-    return joint_list.add(obj, "HINGE", drawing.vertex_indices[rows], weights)
+    return joint_list.add(obj, "HINGE", drawing.vertex_indices[rows], weights, name)
 
 
 def _added(obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment) -> bpy.types.PropertyGroup:

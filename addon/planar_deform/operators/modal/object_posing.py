@@ -158,6 +158,5 @@ def _led_away(obj: bpy.types.Object, moving: set[int]) -> str | None:
         return None
     names = ", ".join(f"'{pin.name}'" for pin in going) + (" go" if going[1:] else " goes")
     return (
-        f"{names} back to '{going[0].follow.name}' with the next frame: move that, or keep this by "
-        "Set Offset"
+        f"{names} back to '{going[0].follow.name}' with the next frame: move that, or keep this by Set Offset"
     )
