@@ -145,7 +145,9 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
         if context.object.type == "MESH" and settings.pins:
             column.row().prop(settings, "depth_between", expand=True)
         if settings.active_pose < len(settings.poses) - 1:
-            pose = settings.poses[settings.active_pose]
+            pose, after = (settings.poses[settings.active_pose + step] for step in (0, 1))
+            column.separator()
+            column.label(text=f"{pose.name} to {after.name}:", icon="KEYFRAME_HLT")
             column.prop(pose, "turns")
             if pose.edited:
                 text = f"Edited behind {pose.name}: kept as long as its poses stay"
