@@ -178,10 +178,12 @@ def test_stretch_and_shear_do_not_turn_it(pair):
         carried_by(carrier, before, obj)
 
 
-def test_pins_that_follow_nothing_go_on_being_posed():
+def test_pins_that_follow_nothing_go_on_being_posed(capfd):
     carrier, obj = body(), lantern()
     choose(obj, 0)
     attach(obj, to=carrier)
+    told = "Attached 1 pin to 'Body', those that are selected; 1 that is not stays as posed"
+    assert told in capfd.readouterr().out
     assert [pin.follow for pin in obj.planar.pins] == [carrier, None]
     before = {one.name: seen(one) for one in (carrier, obj)}
     for frame, offset in ((1, (0.0, 0.0)), (11, (0.3, 0.1))):
