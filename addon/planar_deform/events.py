@@ -80,6 +80,7 @@ def _after_undo(*_: object) -> None:
     pose_showing.undone()
     stiffness.undone()
     _note_live()
+    live.undone()
 
 
 def _before_load(*_: object) -> None:

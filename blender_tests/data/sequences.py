@@ -140,3 +140,19 @@ class History:
 
     def _now(self):
         return self._state(bpy.data.objects["Cutout"])
+
+
+def pushed_down(obj, *, start=None, scale=1.0):
+    """As Push Down in the Nonlinear Animation editor does it; the strip."""
+    animation = obj.data.shape_keys.animation_data
+    action, slot = animation.action, getattr(animation, "action_slot", None)
+    track = animation.nla_tracks.new()
+    strip = track.strips.new(action.name, int(action.frame_range[0]), action)
+    if slot is not None:
+        strip.action_slot = slot
+    animation.action = None
+    strip.scale = scale
+    if start is not None:
+        strip.frame_start_ui = start
+    bpy.context.view_layer.update()
+    return strip

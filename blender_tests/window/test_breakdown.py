@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Breakdown: by mouse with every way out, typed, beyond the poses, on keyed frames, undone and redone."""
 
+import time
 from collections.abc import Iterator
 
 import bpy
@@ -70,6 +71,33 @@ def test_the_button_starts_it_the_mouse_slides_it_and_a_click_keys_it(window: Wi
     assert np.array_equal(at(10), between)
     yield from window.redo()
     assert np.array_equal(at(10), slid)
+
+
+def test_while_its_way_is_solved_it_needs_no_mouse_and_is_confirmed(window: Window) -> Iterator[None]:
+    yield from three_poses(window)
+    between, module = at(10), addon("operators.breakdown")
+    solve = module.Ways.solve
+
+    def slowly(*given: object) -> None:
+        time.sleep(0.5)
+        solve(*given)
+
+    module.Ways.solve = slowly
+    try:
+        for confirm in (False, True):
+            yield from go_to(10)
+            yield from start(window)
+            assert np.array_equal(shown(), between), "it is not solved yet"
+            if confirm:
+                yield from window.key("RET")
+            yield from window.wait(1.0)
+            assert moved(shown(), between) > 0.01
+            assert len(active().planar.poses) == (4 if confirm else 3)
+            if not confirm:
+                yield from window.key("ESC")
+    finally:
+        module.Ways.solve = solve
+    assert window.busy == []
 
 
 def test_escape_and_right_mouse_restore_every_bit(window: Window) -> Iterator[None]:

@@ -69,6 +69,7 @@ def test_the_drawing_follows_while_its_control_is_dragged(window: Window) -> Ite
     yield from window.wait(0.5)
     assert np.array_equal(shape(drawing()), before), "to the bit"
     assert pin_data(drawing()) == pins
+    yield from window.use_tool()  # in which G is of pins
     yield from window.hover(window.pixel(HAND))
     yield from window.key("G")
     yield from window.move(window.pixel((1.3, 0.0, 0.8)), steps=6)
@@ -82,6 +83,32 @@ def test_the_drawing_follows_while_its_control_is_dragged(window: Window) -> Ite
     yield from window.redo()
     yield from window.wait(0.5)
     assert np.allclose(shape(drawing()), after, atol=1e-5)
+
+
+def test_undo_does_not_tell_again_why_live_went_off(window: Window) -> Iterator[None]:
+    """A message at the mouse would take the next Ctrl-Z."""
+    yield from ready(window)
+    live, told = addon("operators.live"), []
+    tell, live._tell = live._tell, lambda message, _title: told.append(message)
+    try:
+        with window.context():
+            bpy.ops.object.delete("EXEC_DEFAULT", True)
+        yield from window.wait(0.4)
+        assert ["is not in the scene" in message for message in told] == [True]
+        activate(drawing())
+        bpy.ops.ed.undo_push(message="Select")
+        yield from window.undo()  # to where the control has just been deleted
+        yield from window.wait(0.4)
+        assert (len(told), drawing().planar.live) == (1, False)
+        yield from window.undo()
+        yield from window.wait(0.4)
+        assert (len(told), drawing().planar.live) == (1, True)
+        with window.context():
+            bpy.ops.object.delete("EXEC_DEFAULT", True)
+        yield from window.wait(0.4)
+        assert len(told) == 2, "again, as it has been done again"
+    finally:
+        live._tell = tell
 
 
 def test_what_a_drawing_carries_goes_along_in_the_same_drag(window: Window) -> Iterator[None]:

@@ -74,6 +74,28 @@ def test_clicks_select(window: Window) -> Iterator[None]:
     assert np.array_equal(shape(), before)
 
 
+def test_what_is_selected_and_switched_off_is_drawn_at_once(window: Window) -> Iterator[None]:
+    """Blender draws nothing anew for what a script sets of pins."""
+    yield from ready(window, LEFT, RIGHT)
+    yield from window.sidebar()
+    yield from window.hover(window.pixel((0.0, 0.0, -2.0)))
+    yield from window.wait(0.3)
+    right, plain = window.pixel(RIGHT), window.colours(window.pixel(RIGHT))
+    yield from window.key("A")
+    yield from window.wait(0.2)
+    chosen = window.colours(right)
+    assert chosen != plain, "by a key, with the mouse far away"
+    yield from window.key("H")
+    yield from window.wait(0.2)
+    assert window.colours(right) != chosen, "it is off"
+    region = window.region("UI")
+    names = (region.x + region.width // 3, region.y + region.height - 70)  # of the list of pins
+    bare = window.colours(names, 50)
+    yield from window.click(window.pixel(LEFT))
+    yield from window.wait(0.2)
+    assert window.colours(names, 50) != bare, "the list tells which one is active"
+
+
 def test_a_pressed_pin_takes_the_selected_ones_along(window: Window) -> Iterator[None]:
     yield from ready(window, LEFT, RIGHT, TOP)
     yield from window.click(window.pixel(LEFT))

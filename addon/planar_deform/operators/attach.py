@@ -18,7 +18,7 @@ from ..scene.pin_properties import JOINT_KINDS
 from ..scene.pins import joint_list, pin_list
 from .modal import running
 from .modal.pin_selection import select_only
-from .pins import ON_MESH, PinListOperator
+from .pins import ON_MESH, PinListChange
 from .posing_operator import PosingOperator
 
 ONE_PART = (
@@ -79,9 +79,10 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
             joint = _added(obj, drawing, attachment)
             joint.select = True
             welds += joint.kind == "WELD"
-        self.report(
-            {"INFO"}, f"Attached by {counted(len(found) - welds, 'hinge')} and {counted(welds, 'weld')}"
+        told = [counted(len(found) - welds, "hinge")] * (welds < len(found)) + [counted(welds, "weld")] * (
+            welds > 0
         )
+        self.report({"INFO"}, f"Attached by {' and '.join(told)}")
 
 
 class PLANAR_OT_add_joint(WeldRadius, JointOperator, bpy.types.Operator):
@@ -148,12 +149,12 @@ class PLANAR_OT_set_weld_radius(WeldRadius, JointOperator, bpy.types.Operator):
             pin.kind = "WELD"
 
 
-class PLANAR_OT_detach(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_detach(PinListChange, bpy.types.Operator):
     bl_idname = "planar.detach"
     bl_label = "Detach"
     bl_description = "Remove the selected joints, or all if none is selected; the drawing stays as it is"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def change(self, context: bpy.types.Context) -> set[str]:
         running.end()
         obj = context.object
         if not (joint_list.remove(obj, selected=True) or joint_list.remove(obj, selected=False)):
@@ -165,13 +166,17 @@ class PLANAR_OT_detach(PinListOperator, bpy.types.Operator):
 def _add(
     obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment, radius: float
 ) -> bpy.types.PropertyGroup:
-    """Add a joint; a weld holds what is within the radius. Raises Refusal."""
+    """Add a joint, named after the layer that it carries; a weld holds what is within the radius.
+
+    Raises Refusal.
+    """
     parts = (attachment.carrier, attachment.carried)
+    name = joint_list.layer_of(obj, drawing.vertex_indices[drawing.parts == attachment.carried])
     if attachment.rigid:
         rows = _welded(drawing, parts, attachment.place, radius)
-        return joint_list.add(obj, "WELD", drawing.vertex_indices[rows], np.ones(len(rows)))
+        return joint_list.add(obj, "WELD", drawing.vertex_indices[rows], np.ones(len(rows)), name)
     rows, weights = joints.hinge_binding(drawing.cutout, parts, attachment.place)
-    return joint_list.add(obj, "HINGE", drawing.vertex_indices[rows], weights)
+    return joint_list.add(obj, "HINGE", drawing.vertex_indices[rows], weights, name)
 
 
 def _added(obj: bpy.types.Object, drawing: CutoutObject, attachment: Attachment) -> bpy.types.PropertyGroup:

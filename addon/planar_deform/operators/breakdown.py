@@ -198,6 +198,7 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._slider: Slider | None = None
+        self._confirmed = False
         self._x = event.mouse_x
         self._sliding = _Sliding(self._ways)
         running.start(self._sliding)
@@ -229,15 +230,14 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
         pressed = event.value == "PRESS"
         if event.type in {"ESC", "RIGHTMOUSE"} and pressed:
             return self._stop()
-        if self._slider is not None and (
-            (event.type == "LEFTMOUSE" and event.value == "RELEASE") or (event.type in CONFIRM and pressed)
-        ):
-            self._key(context)
-            return self._leave({"FINISHED"})
+        released = event.type == "LEFTMOUSE" and event.value == "RELEASE"
+        confirms = released or (event.type in CONFIRM and pressed)
+        if self._slider is None:
+            return self._wait(context, event, confirms)
+        if confirms:
+            return self._keyed(context)
         if event.type.startswith(PASSED_ON):
             return {"PASS_THROUGH"}
-        if self._slider is None:
-            return self._look(context, event, 0.0)
         slider = self._slider.held(shift=event.shift, ctrl=event.ctrl)
         if event.type == "MOUSEMOVE":
             slider = slider.moved(event.mouse_x)
@@ -247,6 +247,18 @@ class PLANAR_OT_breakdown(PoseListOperator, bpy.types.Operator):
             self._slider = slider
             return self._show(context)
         return {"RUNNING_MODAL"}
+
+    def _wait(self, context: bpy.types.Context, event: bpy.types.Event, confirms: bool) -> set[str]:
+        """While the way is solved. What is confirmed meanwhile is keyed as soon as it is."""
+        self._confirmed |= confirms
+        if event.type.startswith(PASSED_ON) and event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        result = self._look(context, event, 0.0)
+        return self._keyed(context) if self._confirmed and self._slider is not None else result
+
+    def _keyed(self, context: bpy.types.Context) -> set[str]:
+        self._key(context)
+        return self._leave({"FINISHED"})
 
     def _look(self, context: bpy.types.Context, event: bpy.types.Event, wait: float) -> set[str]:
         """Begin to slide once the way is solved, for which this waits so many seconds.

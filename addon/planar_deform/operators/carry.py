@@ -66,7 +66,10 @@ class PLANAR_OT_attach_to(PosingOperator, bpy.types.Operator):
             live.stands(obj, context.evaluated_depsgraph_get())
         pins = sum(len(keys) for _, keys, _ in done)
         told = [counted(pins, "pin")] * bool(pins) + [counted(len(hung), "object")] * bool(hung)
-        self.report({"INFO"}, f"Attached {' and '.join(told)} to '{carrier.name}'")
+        left = sum(not pin_list.is_joint(pin) for obj in by_pins for pin in obj.planar.pins) - pins
+        stay = "are not stay" if left > 1 else "is not stays"
+        others_stay = f", those that are selected; {left} that {stay} as posed"
+        self.report({"INFO"}, f"Attached {' and '.join(told)} to '{carrier.name}'" + others_stay * bool(left))
 
 
 class PLANAR_OT_detach_from(Refusing, bpy.types.Operator):

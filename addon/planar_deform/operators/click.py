@@ -14,7 +14,8 @@ from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.objects.cutout_object import pose_refusal, read_cutout
 from ..scene.objects.modifiers import of_lattice
-from ..scene.pins.taking_part import taking_part, with_pins
+from ..scene.pins.taking_part import control_in_hand, taking_part, with_pins
+from ..scene.storage import redraw
 from ..scene.telling import said, say
 from ..scene.view import snapshot
 from ..scene.view.mouse import (
@@ -232,6 +233,7 @@ class PLANAR_OT_pin_menu(bpy.types.Operator):
             bpy.ops.planar.select_pins("EXEC_DEFAULT", True, action="SELECT", pin=place.key)
         else:
             pin.id_data.planar.active_pin = place.key
+            redraw.views()
         bpy.ops.wm.call_menu(name=MENU)
         return {"FINISHED"}
 
@@ -264,8 +266,8 @@ class PLANAR_OT_guard_key(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         guarded: type[Refusing] = getattr(bpy.types, f"PLANAR_OT_{self.operator}")
         reason = guarded.refusal(context)
-        if reason is None:
-            return {"PASS_THROUGH"}  # to the operator
+        if reason is None or control_in_hand(context) is not None:
+            return {"PASS_THROUGH"}  # to the operator, or to Blender's own
         self.report({"WARNING"}, reason)
         return {"CANCELLED"}
 

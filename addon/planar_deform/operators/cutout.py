@@ -118,7 +118,7 @@ class FromFiles(Cutting):
     offset: FloatProperty(
         name="Offset",
         description="From one layer to the next, in front of it: so little that depths of pins reach across",
-        default=0.002,
+        default=0.001,
         min=0.0,
         soft_max=1.0,
         precision=4,

@@ -27,7 +27,8 @@ from ..model.posing.posing import Posing, Sample, carried_path
 from ..model.posing.spreading import ScalingSpread, Spreading, carried_growth
 from ..model.posing.together import SolvedTogether
 from ..scene.pins.pin_list import is_joint
-from ..scene.pins.taking_part import with_pins
+from ..scene.pins.taking_part import control_in_hand, with_pins
+from ..scene.storage import redraw
 from ..scene.view import pivot
 from ..scene.view.mouse import refuse_hidden, towards
 from .modal import reports, running
@@ -156,6 +157,8 @@ class PinTransform(Interactive):
         if context.region_data is None:
             self.report({"ERROR"}, "Pins are dragged in a 3D view: move the mouse over one")
             return {"CANCELLED"}
+        if control_in_hand(context) is not None:
+            return {"PASS_THROUGH"}  # Blender's own moves the control
         running.end()
         pressed = self.pin >= 0
         self.extend = pressed and event.shift
@@ -229,6 +232,7 @@ class PinTransform(Interactive):
             changed = self._posing.click()
             self.leave()
             if changed:  # nothing was posed, so this is a step of its own, of another name
+                redraw.views()  # lists and panels, too
                 bpy.ops.ed.undo_push(message="Select Pins")
             return {"CANCELLED"}
         if self._session.untouched:

@@ -66,12 +66,20 @@ class _Motion:
 
 _motions: dict[int, _Motion] = {}  # by session_uid of the object
 _carrying = False
+_undone = False  # by undo or redo all is as it was once, and why Live went off then has been told
 _told = False  # that the present render does not follow
 
 
 def forget() -> None:
     """The objects are another file's, or are no more."""
     _motions.clear()
+
+
+def undone() -> None:
+    """Undo or redo has brought other data."""
+    global _undone
+    _undone = not bpy.app.background and bool(live.objects())  # else nobody looks soon
+    changed()
 
 
 def changed() -> None:
@@ -154,7 +162,8 @@ def _follows(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
 def _go_off(obj: bpy.types.Object, reason: str) -> None:
     """Turn Live off where it cannot go on, and tell why."""
     obj.planar.live = False
-    _tell(f"{obj.name}: {reason}", "Live Is Off")
+    if not _undone:
+        _tell(f"{obj.name}: {reason}", "Live Is Off")
 
 
 def _tell(message: str, title: str) -> None:
@@ -166,6 +175,7 @@ def _tell(message: str, title: str) -> None:
 
 
 def _look() -> float | None:
+    global _undone
     if running.now() is not None or bpy.app.is_job_running("RENDER") or _playing():
         return SOON
     try:
@@ -174,6 +184,7 @@ def _look() -> float | None:
         traceback.print_exc()
         forget()
         live.forget()
+    _undone = False
     return SOON if _watch() else None
 
 
@@ -237,7 +248,8 @@ def _go_on(obj: bpy.types.Object, stamp: str, frame: float, depsgraph: bpy.types
     drawing = read_posed(obj, unkeyed=True)
     if motion is None:
         motion = _Motion(obj.planar.followed, frame, drawing, pin_list.SavedResults(obj))
-    to_controls.solve(obj, drawing, frame, depsgraph, beside=running.now() is not None)
+    by_hand, beside = to_controls.posed_by_hand(obj, frame), running.now() is not None
+    to_controls.solve(obj, drawing, frame, depsgraph, beside=beside, by_hand=by_hand)
     motion.left, motion.at, motion.modal = _state(obj), time.monotonic(), _held()
     _motions[obj.session_uid] = motion
 

@@ -11,6 +11,7 @@ from ..scene.pins import pin_list
 from ..scene.pins.taking_part import TakingPart
 from ..scene.sequence.playback import Steps
 from ..scene.storage import pin_paths
+from .modal.reports import Tell
 from .poses import OnePoseOperator
 
 
@@ -53,6 +54,13 @@ class PLANAR_OT_add_pin_path(PinPathOperator, bpy.types.Operator):
     bl_description = (
         "Give the active pin a path and a timing of its own on the way from the active pose to the next one"
     )
+
+    def begin(self, context: bpy.types.Context, obj: bpy.types.Object, tell: Tell) -> Steps:
+        """The active pose need not be one of those between which the frame is."""
+        yield from super().begin(context, obj, tell)
+        names = [pose.name for pose in obj.planar.poses][self._pose_of[obj.name] :]
+        way = " to ".join(f"'{name}'" for name in names[:2])
+        tell(f"From {way}: choose its path in the panel In-Betweens")
 
     def change(self, pin: bpy.types.PropertyGroup, pose: str) -> None:
         if pin_paths.path_of(pin, pose) is not None:

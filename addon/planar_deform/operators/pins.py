@@ -14,8 +14,8 @@ from ..scene.lattice.posed import PosedObject, begin_posing, posing_refusal
 from ..scene.lattice.posed_lattice import PosedLattice
 from ..scene.pin_properties import KINDS
 from ..scene.pins import followed_mesh, pin_list
-from ..scene.pins.taking_part import with_pins
-from ..scene.storage import migration
+from ..scene.pins.taking_part import control_in_hand, with_pins
+from ..scene.storage import migration, redraw
 from ..scene.view.mouse import hidden_refusal
 from .modal import running
 from .modal.pin_selection import select_only
@@ -192,6 +192,19 @@ class PinListOperator(NotHidden, Refusing):
         return [pin for obj in _with_lists(context) for pin in obj.planar.pins]
 
 
+class PinListChange(PinListOperator):
+    """Done at once, and seen: Blender draws nothing anew for what a script sets of pins."""
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        result = self.change(context)
+        redraw.views()
+        return result
+
+    def change(self, context: bpy.types.Context) -> set[str]:
+        """Change the lists, in a subclass; the operator's result."""
+        raise NotImplementedError
+
+
 class PLANAR_OT_remove_pins(NotHidden, bpy.types.Operator):
     """Has no poll: in the Pose tool, X must never go on to Blender's own, which deletes the object."""
 
@@ -199,6 +212,9 @@ class PLANAR_OT_remove_pins(NotHidden, bpy.types.Operator):
     bl_label = "Remove Pins"
     bl_description = "Remove the selected pins; the drawing stays as it is"
     bl_options = {"REGISTER", "UNDO"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return {"PASS_THROUGH"} if control_in_hand(context) is not None else super().invoke(context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         running.end()
@@ -218,7 +234,7 @@ class PLANAR_OT_remove_pins(NotHidden, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PLANAR_OT_select_pins(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_select_pins(PinListChange, bpy.types.Operator):
     bl_idname = "planar.select_pins"
     bl_label = "Select Pins"
     bl_description = "Select or deselect pins"
@@ -243,7 +259,7 @@ class PLANAR_OT_select_pins(PinListOperator, bpy.types.Operator):
     )
     extend: BoolProperty(name="Extend", description="Keep the other pins as they are", default=False)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def change(self, context: bpy.types.Context) -> set[str]:
         if self.action in {"ALL", "NONE", "INVERT"}:
             for pin in self.pins(context):
                 pin.select = {"ALL": True, "NONE": False, "INVERT": not pin.select}[self.action]
@@ -262,14 +278,14 @@ class PLANAR_OT_select_pins(PinListOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_set_pin_kind(PinListChange, bpy.types.Operator):
     bl_idname = "planar.set_pin_kind"
     bl_label = "Set Pin Kind"
     bl_description = "Make the selected pins point or patch pins"
 
     kind: EnumProperty(name="Kind", description="How the pins hold the drawing", items=KINDS)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def change(self, context: bpy.types.Context) -> set[str]:
         pins = [pin for pin in self.pins(context) if pin.select and pin.lattice_point < 0]
         pins = [pin for pin in pins if not pin_list.is_joint(pin)]
         changed = [pin for pin in pins if pin.kind != self.kind]
@@ -281,12 +297,12 @@ class PLANAR_OT_set_pin_kind(PinListOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PLANAR_OT_disable_pins(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_disable_pins(PinListChange, bpy.types.Operator):
     bl_idname = "planar.disable_pins"
     bl_label = "Disable Pins"
     bl_description = "Switch the selected pins off: they go where the drawing takes them"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def change(self, context: bpy.types.Context) -> set[str]:
         changed = [pin for pin in self.pins(context) if pin.select and pin.enabled]
         if not changed:
             self.report({"WARNING"}, "No selected pin is on: click one first")
@@ -296,12 +312,12 @@ class PLANAR_OT_disable_pins(PinListOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PLANAR_OT_enable_pins(PinListOperator, bpy.types.Operator):
+class PLANAR_OT_enable_pins(PinListChange, bpy.types.Operator):
     bl_idname = "planar.enable_pins"
     bl_label = "Enable All Pins"
     bl_description = "Switch all pins on that are off: they hold the drawing where it is"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def change(self, context: bpy.types.Context) -> set[str]:
         changed = [pin for pin in self.pins(context) if not pin.enabled]
         if not changed:
             self.report({"INFO"}, "All pins are on")

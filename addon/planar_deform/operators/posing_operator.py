@@ -15,6 +15,7 @@ from ..scene.objects.any_object import shape_refusal
 from ..scene.objects.cutout_object import pose_refusal
 from ..scene.pins.taking_part import TakingPart, taking_part
 from ..scene.sequence import playback
+from ..scene.storage import redraw
 from .modal import reports, running
 from .modal.reports import Tell, telling
 
@@ -53,6 +54,7 @@ class PosingOperator(Refusing):
         except Refusal as refusal:
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
+        redraw.views()  # panels, too, which Blender does not do for what a script sets of pins and poses
         return {"FINISHED"}
 
     def apply(self, context: bpy.types.Context) -> None:

@@ -25,6 +25,7 @@ from .flatten import pushing
 from .motion import live
 from .objects.any_object import shape_refusal
 from .pin_properties import NOT_ANIMATED, PlanarPin, is_mesh
+from .pins.pin_list import NO_FRAME
 from .pins.taking_part import taking_part
 from .sequence import playback, pose_list, pose_state
 from .sequence.pose_blocks import FIRST
@@ -309,6 +310,8 @@ class PlanarSettings(bpy.types.PropertyGroup):
     )
     # Where what the pins follow was when they have followed it last, as controls.stamp() tells it.
     followed: StringProperty(options={"HIDDEN"})
+    # The frame at which it was posed by hand since it last followed; a frame that none has: it was not.
+    posed_at: FloatProperty(default=NO_FRAME, options={"HIDDEN"})
     # The active shape key when the sequence was begun; negative: there were none.
     key_before: IntProperty(options={"HIDDEN"})
     # The curve's values before in-betweens were generated, see model/timing/played_curve.py.

@@ -238,6 +238,21 @@ def test_other_methods_say_that_they_do_not_hold_joints(method):
     assert bpy.ops.planar.drag_pins(offset=(0.1, 0.0)) == {"FINISHED"}
 
 
+def test_joints_are_known_by_the_layers_that_they_carry(capfd):
+    obj = figure()
+    _, drawing = shown(obj)
+    for slot in range(drawing.parts.max() + 1):
+        obj.data.materials.append(bpy.data.materials.new(f"{slot} Layer"))
+    part = dict(zip(drawing.vertex_indices.tolist(), drawing.parts.tolist(), strict=True))
+    for face in obj.data.polygons:
+        face.material_index = part[face.vertices[0]]
+    activate(obj)
+    assert bpy.ops.planar.attach() == {"FINISHED"}
+    carried = {f"{slot} Layer" for slot in range(4)} - {f"{part[0]} Layer"}  # all but the body's
+    assert {pin.name for pin in obj.planar.pins} == carried
+    assert "Attached by 3 hinges\n" in capfd.readouterr().out
+
+
 def test_a_joint_by_hand_holds_what_lies_under_it():
     obj = figure()
     place = obj.matrix_world @ Vector((1.5, 3.2, 0.1))

@@ -178,10 +178,12 @@ def test_stretch_and_shear_do_not_turn_it(pair):
         carried_by(carrier, before, obj)
 
 
-def test_pins_that_follow_nothing_go_on_being_posed():
+def test_pins_that_follow_nothing_go_on_being_posed(capfd):
     carrier, obj = body(), lantern()
     choose(obj, 0)
     attach(obj, to=carrier)
+    told = "Attached 1 pin to 'Body', those that are selected; 1 that is not stays as posed"
+    assert told in capfd.readouterr().out
     assert [pin.follow for pin in obj.planar.pins] == [carrier, None]
     before = {one.name: seen(one) for one in (carrier, obj)}
     for frame, offset in ((1, (0.0, 0.0)), (11, (0.3, 0.1))):
@@ -249,3 +251,28 @@ def test_what_is_let_go_plays_its_own_poses_again(pair):
     np.testing.assert_allclose(seen(obj), keyed, atol=1e-5)
     bpy.context.scene.frame_set(1)
     assert np.abs(seen(obj) - keyed).max() > 0.1
+
+
+def test_what_is_posed_by_hand_stays_when_its_carrier_moves_and_goes_with_the_frame():
+    carrier, obj = body(), lantern()
+    choose(obj, 0)
+    attach(obj, to=carrier)
+    for frame in (1, 11):  # and held behind the last one
+        bpy.context.scene.frame_set(frame)
+        activate(obj)
+        assert bpy.ops.planar.key_pose() == {"FINISHED"}
+    bpy.context.scene.frame_set(15)
+    kept = seen(obj)
+    drag(obj, 1, (0.3, 0.2), angle=0.4)
+    foot = seen(obj)[:5].mean(axis=0)
+    assert np.abs(foot - kept[:5].mean(axis=0)).max() > 0.1
+    before = {one.name: seen(one) for one in (carrier, obj)}
+    drag(carrier, 1, (-0.1, 0.2), angle=0.3)
+    np.testing.assert_allclose(seen(obj)[:5].mean(axis=0), foot, atol=CLOSE)
+    carried_by(carrier, before, obj, rows=range(38, 43))
+    drag(carrier, 1, (0.1, -0.2), angle=-0.3)
+    np.testing.assert_allclose(seen(obj), before[obj.name], atol=CLOSE)
+    bpy.context.scene.frame_set(16)
+    np.testing.assert_allclose(seen(obj), kept, atol=CLOSE)
+    bpy.context.scene.frame_set(15)
+    np.testing.assert_allclose(seen(obj), kept, atol=CLOSE)

@@ -58,6 +58,7 @@ def test_each_pin_gets_an_empty_where_it_is_and_follows_it_live(parented):
     added = [pin.follow for pin in obj.planar.pins]
     assert [control.name for control in added] == [pin.name for pin in obj.planar.pins]
     assert [control.empty_display_type for control in added] == ["CIRCLE", "CUBE"]
+    assert all(control.show_in_front for control in added), "behind the body, too"
     assert set(bpy.context.selected_objects) == set(added)
     assert bpy.context.view_layer.objects.active in added
     for control, place in zip(added, places, strict=True):
@@ -75,6 +76,19 @@ def test_each_pin_gets_an_empty_where_it_is_and_follows_it_live(parented):
     live.follow()
     np.testing.assert_allclose(held(obj, HAND), places[1] + 0.1 * u + 0.2 * v, atol=CLOSE)
     assert angle(obj) == pytest.approx(15.0, abs=1.5)
+
+
+def test_a_pin_that_follows_and_is_dragged_is_told_not_to_stay(capfd):
+    obj = pinned()
+    assert bpy.ops.planar.add_controls() == {"FINISHED"}
+    activate(obj)
+    told = "'Pin.001' goes back to 'Pin.001' with the next frame: move that, or keep this by Set Offset"
+    capfd.readouterr()
+    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.0, 0.1)) == {"FINISHED"}
+    assert told in capfd.readouterr().out
+    obj.planar.live = False
+    assert bpy.ops.planar.drag_pins(pin=1, offset=(0.0, 0.1)) == {"FINISHED"}
+    assert told not in capfd.readouterr().out
 
 
 def test_a_patch_s_control_shows_its_turn():

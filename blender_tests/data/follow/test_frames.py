@@ -19,6 +19,7 @@ from follow_scenes import (
     turned,
     with_control,
 )
+from sequences import pushed_down
 from support import activate, add_pins, coordinates, evaluated, world
 
 CLOSE = 4e-3
@@ -268,6 +269,20 @@ def test_what_is_refused_turns_live_off_and_changes_nothing(capsys):
     assert not obj.planar.live
     assert "'Control', which pin 'Pin.001' follows, is disabled in the viewport" in capsys.readouterr().out
     np.testing.assert_array_equal(coordinates(obj.data.vertices), before)
+
+
+def test_poses_that_are_pushed_down_while_live_play_again(capsys):
+    obj, _ = in_poses()
+    played = film(obj, (1, 5, 9, 13))
+    obj.planar.live = True
+    bpy.context.scene.frame_set(5)
+    pushed_down(obj)
+    bpy.context.scene.frame_set(9)
+    assert not obj.planar.live
+    assert "A strip in the Nonlinear Animation editor plays the poses" in capsys.readouterr().out
+    np.testing.assert_array_equal(evaluated(obj), played[9])
+    for frame, shape in film(obj, (1, 5, 13)).items():
+        np.testing.assert_array_equal(shape, played[frame])
 
 
 def test_other_objects_and_scenes_do_not_matter():

@@ -88,6 +88,14 @@ def test_a_straight_path_and_its_timing(plane, kind):
     np.testing.assert_allclose(hand(obj), free, atol=1e-6)
 
 
+def test_a_new_path_is_told_between_which_poses_it_is(capfd):
+    obj = reaching()
+    bpy.context.scene.frame_set(20)  # behind both, whichever pose is active
+    capfd.readouterr()
+    give_path(obj, "STRAIGHT")
+    assert "From 'Pose' to 'Pose.001': choose its path" in capfd.readouterr().out
+
+
 def test_an_arc_is_round_where_the_hand_turns():
     obj = reaching(kind="PATCH")
     bpy.ops.planar.rotate_pins(angle=1.0)

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from sequences import History, curve_of, go_to, key, same, shown_at, stored, write
+from sequences import History, curve_of, go_to, key, pushed_down, same, shown_at, stored, write
 from support import activate, add_end_pins, bar, coordinates, evaluated, pose
 
 
@@ -295,22 +295,6 @@ def test_scaling_applied_to_the_object_scales_all_poses():
     pose(obj, offset=(0.0, 0.2))
     assert np.abs(evaluated(obj) - 2.0 * shapes[25]).max() > 0.1
     assert np.abs(shown_at(obj, 1) - 2.0 * shapes[1]).max() < 1e-6
-
-
-def pushed_down(obj, *, start=None, scale=1.0):
-    """As Push Down in the Nonlinear Animation editor does it; the strip."""
-    animation = obj.data.shape_keys.animation_data
-    action, slot = animation.action, getattr(animation, "action_slot", None)
-    track = animation.nla_tracks.new()
-    strip = track.strips.new(action.name, int(action.frame_range[0]), action)
-    if slot is not None:
-        strip.action_slot = slot
-    animation.action = None
-    strip.scale = scale
-    if start is not None:
-        strip.frame_start_ui = start
-    bpy.context.view_layer.update()
-    return strip
 
 
 @pytest.mark.parametrize(("start", "scale"), [(None, 1.0), (101, 1.0), (11, 2.0)])

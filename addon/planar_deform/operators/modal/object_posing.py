@@ -67,6 +67,7 @@ class ObjectPosing:
         drawing, self._unheld = self.drawing, None
         if isinstance(drawing, CutoutObject):
             self._unheld = pose_holding.unheld(obj, lambda: drawing.distortion)
+        self._led_away = _led_away(obj, self._moving)
         self._uv_told: str | None = None
         self._uv = self._followed_uv(obj)
         self.pivot_given = pivot is not None
@@ -118,7 +119,7 @@ class ObjectPosing:
     def finish(self, solved: Solved, tell: Tell) -> Steps:
         """End it with this, which is shown; auto-key keys it, see playback.together()."""
         self.keep(solved)
-        for text in (self._unheld, self._uv_told):
+        for text in (self._unheld, self._led_away, self._uv_told):
             if text is not None:
                 tell(text)
         yield from keying.auto_key(bpy.context, self.drawing.resolve(), tell)
@@ -148,3 +149,14 @@ class ObjectPosing:
         except Refusal as refusal:
             self._uv_told = f"The UV map did not follow: {refusal}"
             return None
+
+
+def _led_away(obj: bpy.types.Object, moving: set[int]) -> str | None:
+    """What is to be told where pins are moved by hand that follow something: they do not stay."""
+    going = [pin for pin in (obj.planar.pins[key] for key in sorted(moving)) if pin.follow is not None]
+    if not going or not obj.planar.live:
+        return None
+    names = ", ".join(f"'{pin.name}'" for pin in going) + (" go" if going[1:] else " goes")
+    return (
+        f"{names} back to '{going[0].follow.name}' with the next frame: move that, or keep this by Set Offset"
+    )

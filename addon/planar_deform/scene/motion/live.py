@@ -17,7 +17,7 @@ from ...errors import Refusal
 from ..lattice import rig
 from ..lattice.posed import posing_refusal, read_posed
 from ..objects import pose_store
-from ..pins import controls, dependencies, followed_mesh
+from ..pins import controls, dependencies, followed_mesh, pin_list
 from ..sequence import pose_showing, pose_state
 from ..storage import points
 from . import to_controls
@@ -71,8 +71,11 @@ def switched(obj: bpy.types.Object) -> None:
     """Live has been turned on or off: the poses of an object play only where it is off."""
     note(obj)
     obj.planar.followed = ""  # the pins may have been anywhere since
-    if obj.type in points.TYPES and pose_state.is_ours(obj) and pose_state.refusal(obj) is None:
-        pose_showing.let_play(obj, not obj.planar.live)
+    if obj.type in points.TYPES and pose_state.is_ours(obj):
+        if pose_state.refusal(obj) is None:
+            pose_showing.let_play(obj, not obj.planar.live)
+        elif not obj.planar.live:
+            pose_showing.let_strip_play(obj)
 
 
 @contextlib.contextmanager
@@ -107,7 +110,7 @@ def shows_frame(obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.ty
     dependencies.find_lost(obj)
     frame = scene.frame_current_final
     stamp = controls.stamp(obj, frame, depsgraph)
-    if not stamp or (stamp == obj.planar.followed and _shows_it(obj)):
+    if not stamp or (stamp == obj.planar.followed and _shows_it(obj, frame)):
         return True
     if obj.type == "LATTICE" and not rig.is_known(obj, posed=depsgraph.mode == "VIEWPORT"):
         return bool(depsgraph.mode != "RENDER")
@@ -132,9 +135,12 @@ def stands(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
     obj.planar.followed = controls.stamp(obj, depsgraph.scene.frame_current_final, depsgraph)
 
 
-def _shows_it(obj: bpy.types.Object) -> bool:
-    """Whether the frame has not shown a pose again."""
-    return not pose_state.is_ours(obj) or pose_state.unkeyed(obj)
+def _shows_it(obj: bpy.types.Object, frame: float) -> bool:
+    """Whether the frame has not shown a pose again, and is the one at which it was posed by hand, if any."""
+    if not pose_state.is_ours(obj):
+        return True
+    by_hand_elsewhere = obj.planar.posed_at != pin_list.NO_FRAME and not pin_list.posed_by_hand(obj, frame)
+    return pose_state.unkeyed(obj) and not by_hand_elsewhere
 
 
 def _is_drawn(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:

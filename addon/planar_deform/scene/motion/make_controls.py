@@ -37,6 +37,7 @@ def add(obj: bpy.types.Object, drawing: PosedObject, keys: Iterable[int]) -> lis
         control = bpy.data.objects.new(pin.name, None)
         control.empty_display_type = SHAPES[pin.kind]
         control.empty_display_size = SIZE * drawing.cutout.diagonal
+        control.show_in_front = True  # behind the body, too
         collection.objects.link(control)
         if obj.parent is not None:
             control.parent, control.parent_type = obj.parent, obj.parent_type

@@ -3,7 +3,8 @@
 
 A drawing, or a lattice, always begins with the same shape: with what its poses show at the frame, or without
 poses with its rest. So what is shown depends on the frame and on where things are then, and not on what was
-shown before. Pins that follow nothing stand where they were asked to, with poses where these have them.
+shown before. Pins that follow nothing stand where they were asked to, with poses where these have them, or
+where they have been posed by hand at this frame.
 """
 
 from __future__ import annotations
@@ -40,23 +41,30 @@ def solve(
     depsgraph: bpy.types.Depsgraph,
     *,
     beside: bool = False,
+    by_hand: bool = False,
 ) -> None:
     """Show the object with its pins where what they follow wants them.
 
-    `beside`: while another object is dragged, whose solver goes on. Raises Refusal, with nothing changed.
+    `beside`: while another object is dragged, whose solver goes on. `by_hand`: see at_frame(). Raises
+    Refusal, with nothing changed.
     """
     if not beside:
         solving.halt()
     pin_list.sync(obj)
     try:
-        posing, shape = at_frame(obj, drawing, frame, depsgraph)
+        posing, shape = at_frame(obj, drawing, frame, depsgraph, by_hand=by_hand)
     except native.SolveError as error:
         raise Refusal(str(error)) from error
     if shape is None:
         drawing.write(posing.positions)
     else:
         drawing.show(shape)
-    pin_list.store_results(obj, drawing, posing.results())
+    pin_list.store_results(obj, drawing, posing.results(), by_hand=by_hand)
+
+
+def posed_by_hand(obj: bpy.types.Object, frame: float) -> bool:
+    """Whether an object shows a pose that was made by hand at this frame, and that no frame has."""
+    return pose_state.unkeyed(obj) and pin_list.posed_by_hand(obj, frame)
 
 
 def at_frame(
@@ -65,10 +73,13 @@ def at_frame(
     frame: float,
     depsgraph: bpy.types.Depsgraph,
     read_at: Array | None = None,
+    *,
+    by_hand: bool = False,
 ) -> tuple[PinFollow, Array32 | None]:
     """The posing that has come to the shape of a frame, and that shape if the drawing has poses.
 
-    `read_at`: as in followed(). Raises Refusal and native.SolveError.
+    `read_at`: as in followed(). `by_hand`: pins that follow nothing stand where they are in `drawing`, and
+    not where the poses have them. Raises Refusal and native.SolveError.
     """
     groups = pin_list.read_groups(obj)
     holders = pin_list.bound_pins(obj, drawing, groups)
@@ -77,7 +88,7 @@ def at_frame(
     shown = pose_state.shape_at(obj, frame) if pose_state.is_ours(obj) else None
     begin = _rest(drawing, holders, joints) if shown is None else drawing.flattened(shown)
     standing = {}
-    if shown is None:
+    if shown is None or by_hand:
         for holder in holders:
             scale = start_scale_of(holder, drawing.positions)
             standing[holder.pin.key] = Goal(*start_of(holder, drawing.positions), scale)

@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 import bpy
+import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.frame import Array, Indices
@@ -80,13 +81,30 @@ def carried(found: Iterable[Joint], drawing: Drawing, positions: Array) -> list[
     return joints.carried(found, positions, drawing.cutout.triangles)
 
 
-def add(obj: bpy.types.Object, kind: str, vertices: Indices, weights: Array) -> bpy.types.PropertyGroup:
-    """Add a joint on mesh vertices of two parts."""
+def layer_of(obj: bpy.types.Object, vertices: Indices) -> str | None:
+    """The name of the layer that a part of a drawing of several ones is, as its material says; else None."""
+    mesh = obj.data
+    corners, slots = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
+    sides = np.empty(len(mesh.polygons), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("material_index", slots)
+    mesh.polygons.foreach_get("loop_total", sides)
+    used = np.unique(np.repeat(slots, sides)[np.isin(corners, vertices)])
+    if len(used) != 1 or len(np.unique(slots)) < 2 or used[0] >= len(mesh.materials):
+        return None
+    material = mesh.materials[int(used[0])]
+    return None if material is None else material.name
+
+
+def add(
+    obj: bpy.types.Object, kind: str, vertices: Indices, weights: Array, name: str | None = None
+) -> bpy.types.PropertyGroup:
+    """Add a joint on mesh vertices of two parts. `name`: by what it is known, if not by its kind."""
     group = pin_list.new_group(obj, NAMES[kind])
     vertex_groups.fill(group, vertices, weights)
     joint = pin_list.append(obj, group, kind, owns_group=True)
     names = {other.name for other in obj.planar.pins if other != joint}
-    joint.name = pin_list.free_name(NAMES[kind], names)
+    joint.name = pin_list.free_name(name or NAMES[kind], names)
     return joint
 
 

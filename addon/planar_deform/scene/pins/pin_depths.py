@@ -23,7 +23,10 @@ from . import pin_list
 
 SHOWN = 2.0  # seconds for which a change is shown in colours
 SAME = 1e-3  # depths that are as near are one
-FARTHEST = f"{DEEPEST:g} is the largest depth: lay layers that still are in between nearer together"
+FARTHEST = (
+    f"{DEEPEST:g} is the largest depth. If layers still are in between, lay them nearer together: scale the "
+    "object across its plane"
+)
 
 _given: tuple[int, float] | None = None  # the session_uid of the object changed last, and when
 

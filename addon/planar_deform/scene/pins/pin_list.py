@@ -22,6 +22,7 @@ from ...model.posing.joints import KINDS as JOINTS
 from ...model.posing.pins import Holder, Pin
 from ...model.posing.posing import PinResult, result_of
 from ...model.posing.rebinding import NEGLIGIBLE
+from ...model.timing.played_curve import SAME_FRAME
 from ..objects import rest_shape
 from ..objects.cutout_object import SAME_PLACE
 from ..objects.flat_object import MAKE_LOCAL
@@ -29,6 +30,7 @@ from ..objects.modifiers import of_lattice
 from ..storage import changes, migration, vertex_groups
 from ..storage.vertex_groups import Members, members
 
+NO_FRAME = -2097152.0  # below all that Blender has
 SAME_SCALE = 1e-3  # of a patch, by which a posing left it
 
 NOBODY: Members = (np.empty(0, np.int32), np.empty(0))
@@ -269,8 +271,13 @@ def carried(holders: Iterable[Holder], positions: Array) -> list[PinResult]:
     return results
 
 
-def store_results(obj: bpy.types.Object, drawing: Drawing, results: Iterable[PinResult]) -> None:
-    """Keep where a posing asked its pins to be and where it left them."""
+def store_results(
+    obj: bpy.types.Object, drawing: Drawing, results: Iterable[PinResult], *, by_hand: bool = True
+) -> None:
+    """Keep where a posing asked its pins to be and where it left them.
+
+    `by_hand`: and not by what they follow alone.
+    """
     for result in results:
         pin = obj.planar.pins[result.key]
         parts = np.array([result.part, result.part], np.int32)
@@ -279,7 +286,13 @@ def store_results(obj: bpy.types.Object, drawing: Drawing, results: Iterable[Pin
         if pin.kind == "PATCH" and drawing.cutout.flat:
             pin.angle, pin.scale, pin.reached_scale = result.angle, result.scale, result.reached_scale
     obj.planar.solved_stiffness = drawing.stiffness_stamp
+    obj.planar.posed_at = bpy.context.scene.frame_current_final if by_hand else NO_FRAME
     changes.tell_pose(obj)
+
+
+def posed_by_hand(obj: bpy.types.Object, frame: float) -> bool:
+    """Whether what an object shows has been posed by hand at this frame, as far as its pins know."""
+    return bool(abs(obj.planar.posed_at - frame) < SAME_FRAME)
 
 
 class SavedResults:
@@ -288,14 +301,14 @@ class SavedResults:
     def __init__(self, obj: bpy.types.Object):
         names = ("target", "reached", "has_target", "has_posed", "angle", "scale", "reached_scale")
         self._pins = [{name: _value(pin, name) for name in names} for pin in obj.planar.pins]
-        self._stiffness = obj.planar.solved_stiffness
+        self._stiffness, self._posed_at = obj.planar.solved_stiffness, obj.planar.posed_at
 
     def restore(self, obj: bpy.types.Object) -> None:
         """Put it back, as long as the pins are those."""
         for pin, values in zip(obj.planar.pins, self._pins, strict=False):
             for name, value in values.items():
                 setattr(pin, name, value)
-        obj.planar.solved_stiffness = self._stiffness
+        obj.planar.solved_stiffness, obj.planar.posed_at = self._stiffness, self._posed_at
 
 
 def _value(pin: bpy.types.PropertyGroup, name: str) -> object:
@@ -305,6 +318,7 @@ def _value(pin: bpy.types.PropertyGroup, name: str) -> object:
 
 def forget_targets(obj: bpy.types.Object) -> None:
     """After a reset: the pins hold the drawing where it is, unturned."""
+    obj.planar.posed_at = bpy.context.scene.frame_current_final
     for pin in obj.planar.pins:
         pin.has_target, pin.has_posed = False, pin.has_posed or pin.has_target
         pin.angle, pin.scale = 0.0, 1.0

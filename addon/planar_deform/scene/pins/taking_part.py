@@ -46,6 +46,20 @@ def with_pins(context: bpy.types.Context) -> list[bpy.types.Object]:
     return [obj for obj in taking_part(context).objects if has_pins(obj)]
 
 
+def control_in_hand(context: bpy.types.Context) -> str | None:
+    """What to do with the active object where it is a control, which a pin follows, and no pins are selected
+    with it; else None. Keys move it then, as with any tool.
+    """
+    active = context.object
+    if active is None or active.type in points.TYPES or with_pins(context):
+        return None
+    pins = (pin for obj in bpy.data.objects if has_pins(obj) for pin in obj.planar.pins)
+    led = next((pin for pin in pins if pin.follow == active), None)
+    if led is None:
+        return None
+    return f"'{led.name}' of '{led.id_data.name}' follows '{active.name}': G moves it, I keys it"
+
+
 def _is_ours(obj: bpy.types.Object) -> bool:
     if obj.type not in points.TYPES or not obj.is_property_set("planar"):
         return False

@@ -7,7 +7,7 @@ import bpy
 
 from ...model.plane.frame import Array32
 from ..storage import points
-from . import pose_state
+from . import pose_state, strips
 from .pose_blocks import HOLD, SCRATCH, add, block_at, own_curve, played, played_value, shown_curve, take_out
 
 
@@ -63,6 +63,15 @@ def let_play(obj: bpy.types.Object, playing: bool) -> None:
     own.mute = not playing
     if playing:
         show(obj, pose_state.unkeyed(obj))
+
+
+def let_strip_play(obj: bpy.types.Object) -> None:
+    """Let the curve show the poses again that has been pushed down meanwhile."""
+    strip = strips.strip_of(obj.data.shape_keys)
+    curve = None if strip is None else strips.curve_of(strip)
+    if curve is not None and curve.mute:
+        curve.mute = False
+        show_frame(obj)
 
 
 _brought_back: list[str] = []  # objects that show an unkeyed pose again, after undo

@@ -15,7 +15,7 @@ from ...scene.lattice.rig import waiting
 from ...scene.objects import modifiers
 from ...scene.pins.pin_list import is_joint, pinned_object
 from ...scene.pins.pose_holding import unheld
-from ...scene.pins.taking_part import taking_part, with_pins
+from ...scene.pins.taking_part import control_in_hand, taking_part, with_pins
 from ...scene.view import coarseness, snapshot
 from ..tool.pin_menu import draw_depths
 from .tab import PlanarPanel, lines
@@ -106,9 +106,8 @@ class PLANAR_PT_pins(PlanarPanel, bpy.types.Panel):
             _draw_taking_part(layout, context)
             _draw_lattices(layout, obj)
         seen = snapshot.of_active(context)
-        reason = (
-            posing_refusal(obj) or modifiers.covering(obj) or (seen.refusal if seen is not None else None)
-        )
+        reason = control_in_hand(context) or posing_refusal(obj) or modifiers.covering(obj)
+        reason = reason or (seen.refusal if seen is not None else None)
         if reason is not None:
             lines(layout, reason, "INFO", context)
         if obj is None:

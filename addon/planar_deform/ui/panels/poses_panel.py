@@ -9,6 +9,7 @@ import bpy
 
 from ...scene.motion import cache_age
 from ...scene.objects.any_object import is_outline, shape_refusal
+from ...scene.pins import pin_list
 from ...scene.sequence import pose_list, pose_state, stretches
 from ...scene.sequence.held import Held, held
 from ...scene.storage import points
@@ -103,7 +104,11 @@ class PLANAR_PT_poses(PlanarPanel, bpy.types.Panel):
             row.operator("planar.generate_inbetweens", icon="IPO_EASE_IN_OUT")
             if stretches.has_inbetweens(obj):
                 row.operator("planar.remove_inbetweens", text="", icon="X")
-        for note in (_note(obj) or _stale_note(obj, stale), _held_note(obj, unseen), _cache_note(obj)):
+        for note in (
+            _note(obj, context.scene.frame_current_final) or _stale_note(obj, stale),
+            _held_note(obj, unseen),
+            _cache_note(obj),
+        ):
             if note is not None:
                 lines(layout, note, "INFO", context)
 
@@ -145,7 +150,9 @@ class PLANAR_PT_inbetweens(PlanarPanel, bpy.types.Panel):
         if context.object.type == "MESH" and settings.pins:
             column.row().prop(settings, "depth_between", expand=True)
         if settings.active_pose < len(settings.poses) - 1:
-            pose = settings.poses[settings.active_pose]
+            pose, after = (settings.poses[settings.active_pose + step] for step in (0, 1))
+            column.separator()
+            column.label(text=f"{pose.name} to {after.name}:", icon="KEYFRAME_HLT")
             column.prop(pose, "turns")
             if pose.edited:
                 text = f"Edited behind {pose.name}: kept as long as its poses stay"
@@ -180,12 +187,12 @@ def _draw_frames(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
             )
 
 
-def _note(obj: bpy.types.Object) -> str | None:
+def _note(obj: bpy.types.Object, frame: float) -> str | None:
     """What the user should know of the object's poses."""
     if obj.mode == "EDIT" and pose_state.is_ours(obj):
         return f"Edit Mode edits the shape key that is active: '{obj.active_shape_key.name}'"
     if pose_state.unkeyed(obj):
-        if obj.planar.live:
+        if obj.planar.live and not pin_list.posed_by_hand(obj, frame):
             return "What is shown is where the pins follow, on top of the poses: Key Pose keys it"
         return "The pose shown is not keyed: the next frame change takes it away"
     reason = shape_refusal(obj)

@@ -7,7 +7,7 @@ import bpy
 
 from ...scene.lattice.posed import posing_refusal
 from ...scene.objects.modifiers import lattices_of
-from ...scene.pins.taking_part import with_pins
+from ...scene.pins.taking_part import control_in_hand, with_pins
 from ...scene.telling import said
 from ..draw.in_views import InViews
 from .tool_state import pose_tool_is_active
@@ -31,7 +31,7 @@ def _text(context: bpy.types.Context) -> str:
         return (
             f"'{obj.name}' hangs in '{lattices[0].name}': select that, and its pins pose all that hangs there"
         )
-    return posing_refusal(obj) or (ON_LATTICE if obj.type == "LATTICE" else FIRST)
+    return control_in_hand(context) or posing_refusal(obj) or (ON_LATTICE if obj.type == "LATTICE" else FIRST)
 
 
 def _draw(header: bpy.types.Header, context: bpy.types.Context) -> None:
