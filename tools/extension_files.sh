@@ -4,6 +4,7 @@
 # usage: tools/extension_files.sh [linux|windows|macos-arm64|macos-x64]...
 set -euo pipefail
 cd "$(dirname "$0")/.."
+tools/setup.sh demo # Blender's own tool judges the manifest
 platforms=()
 for name in "$@"; do
     make --silent extension PLATFORM="$name"

@@ -10,7 +10,10 @@ make --silent extension PLATFORM=linux
 tests=blender_tests/packaging/run.py
 more=()
 case ${1:-} in
-    '') exec .venv/bin/python $tests ;;
+    '')
+        tools/setup.sh demo
+        exec .venv/bin/python $tests
+        ;;
     trixie)
         tools/room.sh trixie tools/venv.sh build/farm farm.txt
         [[ ${2:-} == --whole ]] && more=(--window)

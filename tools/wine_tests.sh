@@ -18,7 +18,10 @@ case $what in
     update) exec tools/wine/with_bpy.sh --bare "$version" blender_tests/packaging/update.py ;;
     exchange)
         here=(tools/with_bpy.sh "$version")
-        [[ $(tools/default_bpy.sh) != "$version" ]] || here=(.venv/bin/python)
+        if [[ $(tools/default_bpy.sh) == "$version" ]]; then
+            tools/setup.sh demo
+            here=(.venv/bin/python)
+        fi
         exec /usr/bin/python3 blender_tests/packaging/exchange.py "$version" "${here[@]}"
         ;;
     *) sed -n '/^# usage: /,/^set/{/^#/p}' "$0" >&2 && exit 2 ;;

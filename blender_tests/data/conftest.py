@@ -8,7 +8,17 @@ from pathlib import Path
 import bpy
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "addon"))
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1] / "addon"))
+
+
+def pytest_configure(config):
+    others = [path for path in config.args if not Path(path.split("::")[0]).resolve().is_relative_to(HERE)]
+    if others:
+        raise pytest.UsageError(
+            f"Run the data tests in a call of their own, without {' '.join(others)}: other tests have files "
+            "of the same names, and give threads stacks that are too small for Blender's NumPy."
+        )
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -41,7 +51,7 @@ def _fresh_file(_factory_edit):
             setattr(edit, name, value)
 
 
-_code = pytest.ExitCode.INTERNAL_ERROR
+_code = None
 
 
 def pytest_sessionfinish(exitstatus):
@@ -52,6 +62,8 @@ def pytest_sessionfinish(exitstatus):
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure():
     """Leave at once: bpy crashes as Python ends where pytest still holds objects of it (parameters, say)."""
+    if _code is None:  # no test was begun, and pytest says why after this
+        return
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(int(_code))

@@ -135,7 +135,10 @@ Drag random_drag(const Shape& shape, unsigned seed, double furthest) {
   }
   drag.start = drag.targets = x(drag.pins, Eigen::all);
   for (Eigen::Index i = 0; i < drag.targets.rows(); i += 2) {
-    drag.targets.row(i) += furthest * diagonal * Eigen::RowVector2d(value(random), value(random));
+    Eigen::RowVector2d way;
+    way.y() = value(random);  // one after the other: a call's arguments are drawn in no certain order
+    way.x() = value(random);
+    drag.targets.row(i) += furthest * diagonal * way;
   }
   return drag;
 }

@@ -197,14 +197,15 @@ def test_keys_that_are_no_shapes(keys):
 def test_hard_handles_take_memory_for_each_other_and_not_for_each_vertex():
     """A table of a column a constraint would be 2n x 2k numbers, 125 MB here; k x k ones are 1 MB."""
     code = """
-    import resource
+    import resource, sys
     side = 100
     x, y = np.meshgrid(np.arange(float(side)), np.arange(float(side)))
     rest = np.column_stack([x.ravel(), y.ravel()])
     a = (np.arange(side - 1) + side * np.arange(side - 1)[:, None]).ravel()
     triangles = np.concatenate([np.column_stack([a, a + 1, a + side]),
                                 np.column_stack([a + 1, a + side + 1, a + side])])
-    def peak(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    unit = 2**20 if sys.platform == "darwin" else 2**10  # macOS counts bytes, Linux KiB
+    def peak(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
     few, many = [0, 9999], np.arange(0, 9984, 26)
     planar_native.killing_field(rest, triangles, few, rest[few], hard=True, dirichlet=False)
     before = peak()

@@ -29,6 +29,7 @@ MAIN = """
 int Py_Main(int, wchar_t**);
 int wmain(int count, wchar_t** arguments) { return Py_Main(count, arguments); }
 """
+STACK = 2 * 1024 * 1024  # of its threads, too: as Blender's; zig would give 16 MB
 MATHEMATICS = (
     "api-ms-win-crt-math-l1-1-0.dll"  # the part of the C library that has them; wine looks for no such file
 )
@@ -94,6 +95,7 @@ def program(tag: str, target: Path, work: Path) -> None:
     run(
         *(PROJECT / "tools" / "cross" / "zig-cc", "-target", "x86_64-windows-gnu", "-O2", "-municode"),
         *(work / "main.c", f"-L{headers}", f"-lpython{tag[2:]}", "-o", target / "python.exe"),
+        f"-Wl,--stack,{STACK}",
     )
 
 

@@ -23,7 +23,7 @@ module=build/wine/module
 (
     flock 9
     build/cross/venv/bin/python tools/wine/python.py $tag >&2
-    stamp=$(cat "tools/requirements/bpy-$version.txt" tools/requirements/{common,test}.txt | sha256sum)
+    stamp=$(cat tools/wine/with_bpy.sh "tools/requirements/bpy-$version.txt" tools/requirements/{common,test}.txt | sha256sum)
     if [[ ! -f $site/.stamp || $(<"$site/.stamp") != "$stamp" ]]; then
         echo "Installing Windows' bpy $version" >&2
         rm -rf "$site"
@@ -33,6 +33,8 @@ module=build/wine/module
         # NumPy's mathematics are those of tools/wine/python.py.
         find "$site/numpy" -name '_multiarray_umath*.pyd' \
             -exec sed -i 's/api-ms-win-crt-math-l1-1-0/own-ms-win-crt-math-l1-1-0/g' {} +
+        # From 5.0 on bpy maps files by functions that wine 8 has in name only; on a Windows without them it does otherwise.
+        find "$site/bpy" -maxdepth 1 -name '*.pyd' -exec sed -i 's/MapViewOfFile3/MapViewOfFile_/g' {} +
         echo "$stamp" >"$site/.stamp"
     fi
     [[ ! $bare ]] || exit 0

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/thread_count.h"
-#include "parallel/no_threads.h"
 #include "parallel/per_thread.h"
 #include "parallel/thread_team.h"
 #include "planar/build_info.h"
@@ -38,16 +37,6 @@ TEST(ThreadTeam, IsNeverLargerThanItMayBe) {
   EXPECT_EQ(ThreadTeam(2'000'000'000).size(), most_threads);
   EXPECT_EQ(ThreadTeam(0).size(), default_threads());
   EXPECT_EQ(build_info().threads, ThreadTeam(0).size());
-}
-
-TEST(ThreadTeam, DoesEveryTaskWithoutThreadsToBeHad) {
-  const NoThreads none;
-  ThreadTeam team(5);
-  std::vector<int> done(100);
-  team.run(done.size(), [&](std::size_t i, std::size_t) { ++done[i]; });
-  EXPECT_EQ(done, std::vector<int>(100, 1));
-  const auto fail = [](std::size_t, std::size_t) { throw SolveError("no"); };
-  EXPECT_THROW(team.run(50, fail), SolveError);
 }
 
 TEST(PerThread, MakesWhatIsAskedForOnce) {
