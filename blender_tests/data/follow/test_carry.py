@@ -43,6 +43,18 @@ def test_nothing_moves_when_it_is_attached():
     assert len({pin.follow_group for pin in obj.planar.pins}) == 1, "the pin beside it goes with the other"
 
 
+def test_pins_follow_the_layer_that_lies_under_them_however_far_away_one_of_their_depth_is():
+    far, near = strip("Far", -3.0, 0.0, depth=-0.01, pins=None), body()
+    activate(near)
+    far.select_set(True)
+    bpy.ops.object.join()
+    obj = lantern()  # as deep as the layer that is far away
+    choose(obj, 0, 1)
+    attach(obj, to=near)
+    place, weights = place_of(near, obj.planar.pins[0])
+    np.testing.assert_allclose(weights @ seen(near)[place] / weights.sum(), (1.85, 0.1), atol=0.15)
+
+
 def test_a_drag_of_the_carrier_takes_it_along(pair):
     carrier, obj, before = pair
     drag(carrier, 1, (-0.3, 0.5), angle=0.8)

@@ -306,6 +306,16 @@ class CutoutObject(FlatObject):
                 return found
         return None
 
+    def under(self, place: Array, within: float) -> MeshPoint:
+        """As nearest(); where no part is that near, the point of all that is nearest."""
+        found = self.nearest(place, within)
+        if found is None:
+            flat, triangles = self.from_world(place[None, :])[0], self.cutout.triangles
+            every = np.arange(len(triangles), dtype=np.int32)
+            found = nearest_point(self.positions, triangles, flat, every)
+        assert found is not None  # it has faces
+        return found
+
     @property
     def heights(self) -> Array:
         """Of each part, across the plane."""
