@@ -45,6 +45,8 @@ def carry(obj: bpy.types.Object, keys: Iterable[int], carrier: bpy.types.Object)
     near = ON_MESH * drawing.diagonal
     under = {key: drawing.under(matrix[:3, 3], near) for key, (matrix, _) in placed.items()}
     leaders = _leaders({key: matrix[:3, 3] for key, (matrix, _) in placed.items()}, under, drawing)
+    if not drawing.known.all():
+        drawing.keep_rest()  # or a layer that has just been joined has none to be followed from
     before, names = Before(obj, placed), {}
     for key in dict.fromkeys(leaders.values()):
         rows, weights = place_binding(drawing.cutout, under[key])
