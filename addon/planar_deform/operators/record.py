@@ -385,8 +385,8 @@ def _led_refusal(obj: bpy.types.Object) -> str | None:
     if pin is None:
         return None
     return (
-        f"'{pin.name}' follows '{pin.follow.name}', which would take it back: animate that, or clear Follow of "
-        "the pin, or turn Live off, and record then"
+        f"'{pin.name}' follows '{pin.follow.name}', which would take it back: animate that, or clear Follow "
+        "of the pin, or turn Live off, and record then"
     )
 
 
