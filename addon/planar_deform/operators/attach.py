@@ -82,7 +82,11 @@ class PLANAR_OT_attach(JointOperator, bpy.types.Operator):
         told = [counted(len(found) - welds, "hinge")] * (welds < len(found)) + [counted(welds, "weld")] * (
             welds > 0
         )
-        self.report({"INFO"}, f"Attached by {' and '.join(told)}")
+        hanging = {part for pair in there for part in pair}
+        hanging.update(part for one in found for part in (one.carrier, one.carried))
+        alone = int(drawing.parts.max()) + 1 - len(hanging)
+        left = f"; not attached: {counted(alone, 'part')}, on which no other lies at rest" * bool(alone)
+        self.report({"INFO"}, f"Attached by {' and '.join(told)}{left}")
 
 
 class PLANAR_OT_add_joint(WeldRadius, JointOperator, bpy.types.Operator):

@@ -71,18 +71,20 @@ class Cutting(CuttingSettings, LongOperator):
         if islands:
             column.prop(self, "separate_islands")
 
-    def finish(self, context: bpy.types.Context, found: list[Cut], *, join: bool = False) -> str:
-        """Put the cutouts where the planes are; what is to be told."""
+    def finish(self, context: bpy.types.Context, found: list[Cut], *, joined: str = "") -> str:
+        """Put the cutouts where the planes are, or one object of this name; what is to be told."""
         for made in found:
             _ = made.plane.texture  # raises ObjectGone, with nothing changed
         lost = [said for made in found if (said := cutout_mesh.lost(made.plane)) is not None]
         shown = preview.of(found, type(self).__name__)
         objects = []
         for made in found:
-            objects += cutout_mesh.swap(made.plane, made.drawing, separate=self.separate_islands and not join)
+            objects += cutout_mesh.swap(
+                made.plane, made.drawing, separate=self.separate_islands and not joined
+            )
         count = sum(len(made.drawing.points) for made in found)
-        if join and len(objects) > 1:
-            objects = [cutout_mesh.joined(context, objects)]
+        if joined and len(objects) > 1:
+            objects = [cutout_mesh.joined(context, objects, joined)]
         if context.window is not None:
             preview.show(shown, objects)
             show_textures(context.window)
@@ -93,7 +95,7 @@ class Cutting(CuttingSettings, LongOperator):
             obj.select_set(True)
         what = f"{len(objects)} cutouts" if len(objects) > 1 else f"'{objects[0].name}'"
         told = [said for made in found for said in made.said] + lost
-        if join and self.separate_islands:
+        if joined and self.separate_islands:
             told.append("islands are not separated where files become parts of one object")
         return "; ".join([f"{what}: {count} vertices", *told])
 
@@ -195,7 +197,9 @@ class PLANAR_OT_cutout_from_image(FromFiles, bpy.types.Operator):
             planes = import_planes(undoing, images, paths, self._plane_options())
             found = yield from among(cuts(planes, self.settings(), loaded=True), 1, 2)
             with undoing.noting():
-                told.append(self.finish(bpy.context, found, join=self.several() and self.layers == "PARTS"))
+                parts = self.several() and self.layers == "PARTS"
+                character = paths[0].parent.name or "Character"
+                told.append(self.finish(bpy.context, found, joined=character if parts else ""))
         except BaseException:  # a refusal, an error, or closed before its end
             undoing.take_back(bpy.context)
             raise

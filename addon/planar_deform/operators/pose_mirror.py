@@ -23,6 +23,7 @@ from ..scene.objects.cutout_object import CutoutObject
 from ..scene.objects.lattice_object import LatticeObject
 from ..scene.pins import joint_list
 from ..scene.sequence.playback import Steps
+from .attach import counted
 from .modal.reports import Tell
 from .pose_travel import TravelOperator, begin_travel, depths_of, named_pins
 from .showing import showing
@@ -146,7 +147,8 @@ class PLANAR_OT_mirror_pose(TravelOperator, bpy.types.Operator):
         poser = joint_list.solver_of(obj, drawing)
         posing = PinMirror(side.cutout, side.positions, side.pins, int(self.axis == "VERTICAL"), poser)
         depths = _solved(obj, posing, side, lambda: posing.asked_depths(side.depths))
-        tell(f"Mirrored by {posing.pairs}, as the rest shape is not symmetric: {why}")
+        by = f"by {counted(posing.pairs, 'pair')} of pins, as" if posing.pairs else "with no pairs of pins;"
+        tell(f"Mirrored {by} the rest shape is not symmetric: {why}")
         return showing(context, drawing, posing.positions, posing.results(), tell, depths=depths)
 
 

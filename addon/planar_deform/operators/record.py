@@ -312,7 +312,7 @@ class PLANAR_OT_record_pins(Refusing, Interactive, bpy.types.Operator):
         posing = begin(context, self.pin, self.extend, of=self.object, unkeyed=True)
         for one in posing.posings:
             obj = one.drawing.resolve()
-            reason = pose_state.refusal(obj) or _space_refusal(obj)
+            reason = pose_state.refusal(obj) or _space_refusal(obj) or _led_refusal(obj)
             if reason is not None:
                 posing.cancel()
                 raise Refusal(reason)
@@ -376,6 +376,18 @@ def _space_refusal(obj: bpy.types.Object, *, polled: bool = False) -> str | None
     if not in_space(obj, polled=polled):
         return None
     return f"'{obj.name}' is a lattice in space, and motion is recorded in a plane: key poses instead"
+
+
+def _led_refusal(obj: bpy.types.Object) -> str | None:
+    """Why the selected pins of an object, which are dragged, would not be seen to move afterwards."""
+    led = (pin for pin in obj.planar.pins if obj.planar.live and pin.select and pin.enabled and pin.follow)
+    pin = next(led, None)
+    if pin is None:
+        return None
+    return (
+        f"'{pin.name}' follows '{pin.follow.name}', which would take it back: animate that, or clear Follow "
+        "of the pin, or turn Live off, and record then"
+    )
 
 
 def _frames_left(scene: bpy.types.Scene) -> int | None:

@@ -122,7 +122,7 @@ class PLANAR_MT_poses(PlanarMenu, bpy.types.Menu):
         column.operator("planar.retime_pose", icon="TIME")
         column.operator("planar.delete_pose", icon="REMOVE")
         column.separator()
-        for step, name in ((1, "On Ones"), (2, "On Twos"), (3, "On Threes")):
+        for step, name in ((1, "Step on Ones"), (2, "Step on Twos"), (3, "Step on Threes")):
             column.operator("planar.step_poses", text=name).step = step
         column.separator()
         column.operator("planar.clear_poses", icon="TRASH")

@@ -253,6 +253,12 @@ def test_joints_are_known_by_the_layers_that_they_carry(capfd):
     assert "Attached by 3 hinges\n" in capfd.readouterr().out
 
 
+def test_a_part_that_lies_on_no_other_is_told(capfd):
+    figure((0.0, 0.0, 1.0, 1.0, 0.0), (0.8, 0.2, 1.0, 0.4, 0.01), (3.0, 0.0, 1.0, 0.4, 0.02))
+    assert bpy.ops.planar.attach() == {"FINISHED"}
+    assert "Attached by 1 hinge; not attached: 1 part, on which no other lies" in capfd.readouterr().out
+
+
 def test_a_joint_by_hand_holds_what_lies_under_it():
     obj = figure()
     place = obj.matrix_world @ Vector((1.5, 3.2, 0.1))

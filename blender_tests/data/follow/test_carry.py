@@ -43,6 +43,36 @@ def test_nothing_moves_when_it_is_attached():
     assert len({pin.follow_group for pin in obj.planar.pins}) == 1, "the pin beside it goes with the other"
 
 
+def test_pins_follow_the_layer_that_lies_under_them_however_far_away_one_of_their_depth_is():
+    far, near = strip("Far", -3.0, 0.0, depth=-0.01, pins=None), body()
+    activate(near)
+    far.select_set(True)
+    bpy.ops.object.join()
+    obj = lantern()  # as deep as the layer that is far away
+    choose(obj, 0, 1)
+    attach(obj, to=near)
+    place, weights = place_of(near, obj.planar.pins[0])
+    np.testing.assert_allclose(weights @ seen(near)[place] / weights.sum(), (1.85, 0.1), atol=0.15)
+
+
+def test_a_layer_that_was_joined_without_pins_carries():
+    arm, carrier = strip("Arm", -3.0, 0.0, depth=-0.01, pins=None), body()
+    drag(carrier, 1, (-0.1, 0.2))
+    activate(carrier)
+    arm.select_set(True)
+    bpy.ops.object.join()
+    obj = strip("Prop", -1.2, 0.2, width=0.2, height=0.8, nx=4, ny=8, depth=-0.02, pins=None)
+    add_pins(obj, range(5), range(40, 45), kind="PATCH")
+    choose(obj, 0, 1)
+    before = {one.name: seen(one) for one in (carrier, obj)}
+    attach(obj, to=carrier)
+    for one in (carrier, obj):
+        np.testing.assert_array_equal(seen(one), before[one.name])
+    add_pins(carrier, [85 + 16 + 34], kind="PATCH")  # at the arm's right end
+    drag(carrier, 2, (0.2, 0.3))
+    carried_by(carrier, before, obj)
+
+
 def test_a_drag_of_the_carrier_takes_it_along(pair):
     carrier, obj, before = pair
     drag(carrier, 1, (-0.3, 0.5), angle=0.8)

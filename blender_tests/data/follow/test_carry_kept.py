@@ -279,6 +279,19 @@ def test_what_has_no_pins_is_carried_as_a_whole(kind):
     assert obj.parent is None
 
 
+@pytest.mark.parametrize("behind", [0.0, -0.03])
+def test_of_layers_on_each_other_the_nearest_carries_a_whole(behind):
+    """An arm across the body, behind the prop or between both."""
+    chest, arm = body(), strip("Arm", 1.0, -0.2, width=0.4, height=0.9, depth=-0.02 - behind, pins=None)
+    activate(chest)
+    arm.select_set(True)
+    bpy.ops.object.join()
+    obj = strip("Whole", 1.1, -0.1, width=0.2, height=0.6, nx=4, ny=4, depth=-0.03, pins=None)
+    attach(obj, to=chest)
+    on_arm = {row >= 85 for row in obj.parent_vertices}
+    assert on_arm == {behind == 0.0}
+
+
 def test_as_a_whole_a_drawing_keeps_its_pins():
     carrier, obj = body(), lantern()
     attach(obj, to=carrier, whole=True)

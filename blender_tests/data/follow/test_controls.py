@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add Controls and Follow Bones: what is made for pins to follow."""
 
+import base64
+
 import bpy
 import numpy as np
 import pytest
-from follow_scenes import HAND, angle, axes, empty, held, imported, moved, turned
+from follow_scenes import HAND, LEFT, angle, axes, empty, held, imported, moved, turned
 from mathutils import Matrix
-from support import activate, add_pins, coordinates
+from support import activate, add_pins, coordinates, evaluated, world
 
 from planar_deform.operators import live
 
@@ -98,6 +100,22 @@ def test_a_patch_s_control_shows_its_turn():
     first = obj.planar.pins[1].follow.matrix_world.to_3x3() @ Matrix.Translation((1, 0, 0)).translation
     u, v, _ = axes(obj)
     assert np.arctan2(np.dot(first, v), np.dot(first, u)) == pytest.approx(0.5, abs=1e-3)
+
+
+def test_a_pin_that_follows_live_is_not_recorded_and_another_one_is():
+    obj = imported()
+    add_pins(obj, LEFT, HAND)
+    obj.planar.pins[1].follow = empty((1.0, -1.0, 2.0))
+    obj.planar.live = True
+    path = base64.b64encode(np.tile((0.1, 0.1, 0.0), (4, 1)).astype("<f4").tobytes()).decode("ascii")
+    before = world(obj, evaluated(obj))
+    with pytest.raises(RuntimeError, match="'Pin.001' follows 'Control', which would take it back"):
+        bpy.ops.planar.record_pins(pin=1, path=path)
+    np.testing.assert_array_equal(world(obj, evaluated(obj)), before)
+    assert not obj.planar.poses
+    assert bpy.ops.planar.record_pins(pin=0, path=path) == {"FINISHED"}
+    obj.planar.live = False
+    assert bpy.ops.planar.record_pins(pin=1, path=path) == {"FINISHED"}
 
 
 def test_only_selected_pins_and_those_that_follow_nothing_get_one():

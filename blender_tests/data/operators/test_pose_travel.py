@@ -211,7 +211,7 @@ def pinned_character(names):
         ["Pin", "Pin.001", "Pin.002", "Pin.003", "Pin.004"],
     ],
 )
-def test_a_character_that_is_not_symmetric_is_mirrored_by_its_pins(names):
+def test_a_character_that_is_not_symmetric_is_mirrored_by_its_pins(names, capfd):
     obj = pinned_character(names)
     size = np.ptp(world(obj), axis=0).max()
     rest = pins_in_world(obj)
@@ -225,6 +225,14 @@ def test_a_character_that_is_not_symmetric_is_mirrored_by_its_pins(names):
     assert measured(obj).area == pytest.approx(area, rel=0.1)
     assert bpy.ops.planar.mirror_pose() == {"FINISHED"}
     assert pins_in_world(obj) == pytest.approx(before, abs=0.02 * size)
+    assert "Mirrored by 2 pairs of pins, as the rest shape is not symmetric" in capfd.readouterr().out
+
+
+def test_pins_of_which_none_has_a_partner_mirror_what_the_drawing_does(capfd):
+    obj = character("woody")
+    add_pins(obj, [int(np.argmax(world(obj)[:, 2]))])
+    assert bpy.ops.planar.mirror_pose() == {"FINISHED"}
+    assert "Mirrored with no pairs of pins; the rest shape is not symmetric" in capfd.readouterr().out
 
 
 def test_a_character_is_mirrored_at_its_frame_in_one_undo_step():

@@ -45,8 +45,7 @@ class PinMirror(PinsLed):
         self._places = [holder.place(cutout.rest) for holder in self._pins]
         self._partners, self._symmetry = paired(cutout, pins, axis)
         partners = self._partners
-        count = sum(index < partner for index, partner in partners.items())
-        self.pairs = f"{count} {'pair' if count == 1 else 'pairs'} of pins"
+        self.pairs = sum(index < partner for index, partner in partners.items())
         self._found: dict[int, Led] = {}
         for index, holder in enumerate(self._pins):
             if holder.pin.enabled:

@@ -49,8 +49,8 @@ def swap(plane: ImagePlane, drawing: Drawing, *, separate: bool = False) -> list
     return objects
 
 
-def joined(context: bpy.types.Context, objects: list[bpy.types.Object]) -> bpy.types.Object:
-    """One object of several, the first one of them, with a part for each."""
+def joined(context: bpy.types.Context, objects: list[bpy.types.Object], name: str) -> bpy.types.Object:
+    """One object of several, the first one of them, with a part for each and this name."""
     meshes = [obj.data for obj in objects[1:]]
     context.view_layer.update()
     with context.temp_override(
@@ -63,6 +63,7 @@ def joined(context: bpy.types.Context, objects: list[bpy.types.Object]) -> bpy.t
     for mesh in meshes:
         if not mesh.users:
             bpy.data.meshes.remove(mesh)
+    objects[0].name = objects[0].data.name = name
     return objects[0]
 
 

@@ -42,8 +42,11 @@ def carry(obj: bpy.types.Object, keys: Iterable[int], carrier: bpy.types.Object)
         raise Refusal(reason)
     placed = follow_offset.matrices(obj, read_posed(obj, unkeyed=True), keys)
     drawing = read_cutout(carrier)
-    under = {key: _under(drawing, matrix[:3, 3]) for key, (matrix, _) in placed.items()}
+    near = ON_MESH * drawing.diagonal
+    under = {key: drawing.under(matrix[:3, 3], near) for key, (matrix, _) in placed.items()}
     leaders = _leaders({key: matrix[:3, 3] for key, (matrix, _) in placed.items()}, under, drawing)
+    if not drawing.known.all():
+        drawing.keep_rest()  # or a layer that has just been joined has none to be followed from
     before, names = Before(obj, placed), {}
     for key in dict.fromkeys(leaders.values()):
         rows, weights = place_binding(drawing.cutout, under[key])
@@ -112,13 +115,6 @@ def _tidy(kept: Iterable[_Kept]) -> None:
     for one in kept:
         if one.group and one.follow is not None and one.follow.type == "MESH":
             followed_mesh.remove_unused(one.follow, {one.group})
-
-
-def _under(drawing: CutoutObject, place: Array) -> MeshPoint:
-    """The point of the shown mesh nearest to a world position (3,), seen along its normal."""
-    found = drawing.nearest(place, np.inf)
-    assert found is not None  # it has faces
-    return found
 
 
 def _leaders(places: dict[int, Array], under: dict[int, MeshPoint], drawing: CutoutObject) -> dict[int, int]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...errors import Refusal
 from ...model.plane.cutout import Cutout, make_cutout
-from ...model.plane.locate import MeshPoint, nearest_point
+from ...model.plane.locate import MeshPoint
 from ...model.posing import attaching
 from ...model.posing.mesh_place import place_binding, spanning
 from ..objects import vertex_parents
@@ -57,17 +57,17 @@ def take_down(obj: bpy.types.Object) -> None:
 
 def _place(obj: bpy.types.Object, drawing: CutoutObject) -> MeshPoint:
     """Where on a drawing an object hangs: for another drawing where the two lie on each other, as their joint
-    would be, else at the point nearest to its origin.
+    would be, else at the point nearest to its origin. Of parts there, on the nearest across the plane.
     """
-    place = drawing.from_world(np.array([obj.matrix_world.translation], np.float64))[0]
+    place = np.array(obj.matrix_world.translation, np.float64)
     if pose_refusal(obj) is None:
         with contextlib.suppress(Refusal):
-            shared = attaching.hanging_place(_together(drawing, read_cutout(obj)), drawing.parts.max() + 1)
-            place = place if shared is None else shared
-    every = np.arange(len(drawing.cutout.triangles), dtype=np.int32)
-    found = nearest_point(drawing.positions, drawing.cutout.triangles, place, every)
-    assert found is not None  # it has faces
-    return found
+            carried = read_cutout(obj)
+            shared = attaching.hanging_place(_together(drawing, carried), drawing.parts.max() + 1)
+            if shared is not None:
+                middle = carried.to_world(carried.positions, carried.parts).mean(axis=0)
+                place = middle + drawing.frame.lift(shared - drawing.from_world(middle[None, :]))[0]
+    return drawing.under(place, 0.0)
 
 
 def _together(carrier: CutoutObject, carried: CutoutObject) -> Cutout:

@@ -306,6 +306,16 @@ class CutoutObject(FlatObject):
                 return found
         return None
 
+    def under(self, place: Array, within: float) -> MeshPoint:
+        """As nearest(); where no part is that near, the point of all that is nearest."""
+        found = self.nearest(place, within)
+        if found is None:
+            flat, triangles = self.from_world(place[None, :])[0], self.cutout.triangles
+            every = np.arange(len(triangles), dtype=np.int32)
+            found = nearest_point(self.positions, triangles, flat, every)
+        assert found is not None  # it has faces
+        return found
+
     @property
     def heights(self) -> Array:
         """Of each part, across the plane."""
@@ -341,10 +351,14 @@ class CutoutObject(FlatObject):
             rest_shape.put_back(self.resolve().data, self.reading.stored, self.reading.owners)
             self._rest_written = False
 
-    def _put(self, shape: Array32) -> None:
+    def keep_rest(self) -> None:
+        """Store the rest shape where it is not, or where it had to be completed: posing does so by itself."""
         if self._in_mesh and self._rest_after is not None and not self._rest_written:
             rest_shape.write(self.resolve().data, self._rest_after)
             self._rest_written = True
+
+    def _put(self, shape: Array32) -> None:
+        self.keep_rest()
         super()._put(shape)
         if self._in_mesh:  # so that what is posed is not taken for an edit of the mesh
             rest_shape.see(self.resolve().data, shape)
