@@ -18,6 +18,7 @@ from ..scene.pin_properties import JOINT_KINDS
 from ..scene.pins import joint_list, pin_list
 from .modal import running
 from .modal.pin_selection import select_only
+from .modal.reports import counted
 from .pins import ON_MESH, PinListChange
 from .posing_operator import PosingOperator
 
@@ -210,11 +211,6 @@ def _welded(drawing: CutoutObject, parts: tuple[int, int], place: Array, radius:
     if joints.bound(0, "WELD", rows, np.ones(len(rows)), cutout) is None:
         raise Refusal("Fewer than two vertices lie on the other part there: make the radius larger")
     return rows
-
-
-def counted(count: int, noun: str) -> str:
-    """As "2 hinges"."""
-    return f"{count} {noun}" + "s" * (count != 1)
 
 
 CLASSES = (PLANAR_OT_attach, PLANAR_OT_add_joint, PLANAR_OT_set_weld_radius, PLANAR_OT_detach)

@@ -11,8 +11,8 @@ from ..scene.motion import carrying, hanging, live
 from ..scene.objects import vertex_parents
 from ..scene.objects.cutout_object import begin, pose_refusal
 from ..scene.pins import controls, pin_list
-from .attach import counted
 from .modal import running
+from .modal.reports import counted
 from .posing_operator import PosingOperator, Refusing
 
 

@@ -23,8 +23,7 @@ from ..scene.objects.cutout_object import CutoutObject
 from ..scene.objects.lattice_object import LatticeObject
 from ..scene.pins import joint_list
 from ..scene.sequence.playback import Steps
-from .attach import counted
-from .modal.reports import Tell
+from .modal.reports import Tell, counted
 from .pose_travel import TravelOperator, begin_travel, depths_of, named_pins
 from .showing import showing
 

@@ -10,6 +10,11 @@ from typing import Protocol
 Tell = Callable[[str], None]  # takes what the user is to be told in the end
 
 
+def counted(count: int, noun: str) -> str:
+    """As "2 hinges"."""
+    return f"{count} {noun}" + "s" * (count != 1)
+
+
 def telling(told: list[str], name: str | None) -> Tell:
     """Takes what the user is to be told of an object, with its name where there are several."""
     return lambda text: told.append(text if name is None else f"'{name}': {text}")
