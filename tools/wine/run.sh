@@ -14,7 +14,10 @@ mkdir -p "$project/build/wine"
 (
     flock 9
     [[ -e $WINEPREFIX/.made ]] && exit
-    "$wine" wineboot --init </dev/null >"$WINEPREFIX.log" 2>&1
+    # What it starts beside it must not hold the lock, and has to end before programs start: else its desktop ends
+    # under them, and the next one holds the pipe of whichever asks for it.
+    "$wine" wineboot --init </dev/null >"$WINEPREFIX.log" 2>&1 9>&-
+    /usr/lib/wine/wineserver64 --wait
     touch "$WINEPREFIX/.made"
 ) 9>"$project/build/wine/prefix.lock"
 exec "$project/tools/wine/relay.py" "$wine" "$@"
