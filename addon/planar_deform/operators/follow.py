@@ -160,9 +160,8 @@ class PLANAR_OT_bake_pins(BakeOperator, bpy.types.Operator):
 
 def _solve(context: bpy.types.Context, drawing: PosedObject) -> None:
     """Raises Refusal."""
-    obj, frame = context.object, context.scene.frame_current_final
-    by_hand = to_controls.posed_by_hand(obj, frame)
-    to_controls.solve(obj, drawing, frame, context.evaluated_depsgraph_get(), by_hand=by_hand)
+    frame = context.scene.frame_current_final
+    to_controls.solve(context.object, drawing, frame, context.evaluated_depsgraph_get(), keeps_hand=True)
 
 
 def _select(objects: list[bpy.types.Object]) -> None:

@@ -248,8 +248,8 @@ def _go_on(obj: bpy.types.Object, stamp: str, frame: float, depsgraph: bpy.types
     drawing = read_posed(obj, unkeyed=True)
     if motion is None:
         motion = _Motion(obj.planar.followed, frame, drawing, pin_list.SavedResults(obj))
-    by_hand, beside = to_controls.posed_by_hand(obj, frame), running.now() is not None
-    to_controls.solve(obj, drawing, frame, depsgraph, beside=beside, by_hand=by_hand)
+    beside = running.now() is not None
+    to_controls.solve(obj, drawing, frame, depsgraph, beside=beside, keeps_hand=True)
     motion.left, motion.at, motion.modal = _state(obj), time.monotonic(), _held()
     _motions[obj.session_uid] = motion
 

@@ -41,13 +41,15 @@ def solve(
     depsgraph: bpy.types.Depsgraph,
     *,
     beside: bool = False,
-    by_hand: bool = False,
+    keeps_hand: bool = False,
 ) -> None:
     """Show the object with its pins where what they follow wants them.
 
-    `beside`: while another object is dragged, whose solver goes on. `by_hand`: see at_frame(). Raises
-    Refusal, with nothing changed.
+    `beside`: while another object is dragged, whose solver goes on. `keeps_hand`: what shows a pose that was
+    made by hand at this frame, and that no frame has, goes on from that; see at_frame(). Raises Refusal, with
+    nothing changed.
     """
+    by_hand = keeps_hand and pose_state.unkeyed(obj) and pin_list.posed_by_hand(obj, frame)
     if not beside:
         solving.halt()
     pin_list.sync(obj)
@@ -60,11 +62,6 @@ def solve(
     else:
         drawing.show(shape)
     pin_list.store_results(obj, drawing, posing.results(), by_hand=by_hand)
-
-
-def posed_by_hand(obj: bpy.types.Object, frame: float) -> bool:
-    """Whether an object shows a pose that was made by hand at this frame, and that no frame has."""
-    return pose_state.unkeyed(obj) and pin_list.posed_by_hand(obj, frame)
 
 
 def at_frame(
