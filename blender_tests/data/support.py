@@ -44,6 +44,15 @@ def activate(obj):
     bpy.context.view_layer.update()
 
 
+def from_library(folder, name="Cutout"):
+    """This object of the present file, linked from that into an empty one."""
+    path = str(folder / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.link(directory=f"{path}/Object/", filename=name)
+    return bpy.data.objects[name]
+
+
 def grid(nx, ny, width=2.0, height=1.0, *, origin=(0.0, 0.0), depth=0.0):
     """Vertices (k x 3, in XY) and quads of a grid of nx x ny faces; vertex j * (nx + 1) + i."""
     x, y = np.meshgrid(np.linspace(0, width, nx + 1) + origin[0], np.linspace(0, height, ny + 1) + origin[1])

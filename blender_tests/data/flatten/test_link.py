@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from support import activate, coordinates, in_edit_mode
+from support import activate, coordinates, from_library, in_edit_mode
 from surfaces import (
     all_of,
     cap,
@@ -203,11 +203,7 @@ def test_an_applied_rotation_is_refused():
 
 def test_a_linked_surface_is_laid_flat_but_not_written(tmp_path):
     tube()
-    path = str(tmp_path / "surface.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.wm.link(directory=f"{path}/Object/", filename="Tube")
-    obj = bpy.data.objects["Tube"]
+    obj = from_library(tmp_path, "Tube")
     flat = flatten(obj)
     with pytest.raises(RuntimeError, match="linked from a library: make it local"):
         bpy.ops.planar.push_to_uv_map()

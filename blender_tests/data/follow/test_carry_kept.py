@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from carry_scenes import attach, body, choose, drag, lantern, seen, strip
 from follow_scenes import empty
-from support import activate, coordinates, evaluated, in_edit_mode, world
+from support import activate, coordinates, evaluated, from_library, in_edit_mode, world
 
 CLOSE = 6e-3
 
@@ -183,11 +183,7 @@ def test_saved_and_appended(pair, tmp_path):
 
 def test_a_linked_carrier_carries_wholes_alone(tmp_path):
     body()
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.wm.link(directory=f"{path}/Object/", filename="Body")
-    carrier, obj = bpy.data.objects["Body"], lantern()
+    carrier, obj = from_library(tmp_path, "Body"), lantern()
     activate(carrier)
     obj.select_set(True)
     assert not bpy.ops.planar.attach_to.poll()

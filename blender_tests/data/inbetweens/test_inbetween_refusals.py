@@ -5,7 +5,7 @@ import bpy
 import pytest
 from filling import bent_bar, everything, frames_shown, generate, remove, stale
 from sequences import curve_of, go_to, key, same, shown_at
-from support import activate, add_end_pins, bar, evaluated
+from support import activate, add_end_pins, bar, evaluated, from_library
 
 
 def refused(obj, operator, match, **options):
@@ -71,11 +71,7 @@ def test_linked_objects_are_refused_and_play(tmp_path):
     obj, _poses = bent_bar()
     generate(obj)
     before = frames_shown(obj, range(1, 50, 6))
-    path = str(tmp_path / "file.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.wm.link(directory=f"{path}/Object/", filename="Cutout")
-    obj = bpy.data.objects["Cutout"]
+    obj = from_library(tmp_path)
     activate(obj)
     assert not bpy.ops.planar.generate_inbetweens.poll()
     assert not bpy.ops.planar.remove_inbetweens.poll()

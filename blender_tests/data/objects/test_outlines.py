@@ -7,7 +7,7 @@ import pytest
 from mathutils import Matrix
 from outlines import CURVES, MESHES, PLACED, RING, chain, lines
 from sequences import History, go_to, key, same, shown_at, stored, timing, write
-from support import PLANES, TRANSFORMS, activate, coordinates, evaluated, make_object
+from support import PLANES, TRANSFORMS, activate, coordinates, evaluated, from_library, make_object
 
 
 @pytest.mark.parametrize("transform", TRANSFORMS)
@@ -256,10 +256,7 @@ def test_shared_linked_and_edited_data(kind, tmp_path):
     assert not bpy.ops.planar.key_pose.poll()
     bpy.ops.object.mode_set(mode="OBJECT")
     shapes = {frame: key(obj, frame, seed) for seed, frame in ((1, 1), (2, 25))}
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "file.blend"))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.wm.link(directory=str(tmp_path / "file.blend/Object/"), filename="Cutout")
-    obj = bpy.data.objects["Cutout"]
+    obj = from_library(tmp_path)
     assert "Make Local" in refusal(obj)
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())
 

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from sequences import History, curve_of, go_to, key, pushed_down, same, shown_at, stored, write
-from support import activate, add_end_pins, bar, coordinates, evaluated, pose
+from support import activate, add_end_pins, bar, coordinates, evaluated, from_library, pose
 
 
 def keyed_bar():
@@ -261,11 +261,7 @@ def test_a_locked_pose_is_not_written():
 
 def test_linked_poses_are_refused_and_shown(tmp_path):
     obj, shapes = keyed_bar()
-    path = str(tmp_path / "file.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.wm.link(directory=f"{path}/Object/", filename="Cutout")
-    obj = bpy.data.objects["Cutout"]
+    obj = from_library(tmp_path)
     activate(obj)
     assert not bpy.ops.planar.key_pose.poll()
     assert all(same(shown_at(obj, frame), shape) for frame, shape in shapes.items())

@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from support import activate, add_end_pins, add_pins, bar, coordinates, measured, pose
+from support import activate, add_end_pins, add_pins, bar, coordinates, from_library, measured, pose
 
 
 def state(obj):
@@ -81,11 +81,7 @@ def test_a_linked_object_that_is_made_local_can_be_posed(tmp_path):
     from planar_deform.scene.objects.cutout_object import pose_refusal
 
     before = state(posed_bar())
-    path = str(tmp_path / "file.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.wm.link(directory=f"{path}/Object/", filename="Cutout")
-    obj = bpy.data.objects["Cutout"]
+    obj = from_library(tmp_path)
     assert pose_refusal(obj) is not None
     activate(obj)
     bpy.ops.object.make_local(type="SELECT_OBDATA")
